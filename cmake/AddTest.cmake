@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+# ockham_add_test(<stem> [LIBRARIES targets...] [LABELS labels...] [SOURCES more.cpp...])
+# Builds <stem>_test.cpp of the present folder with GoogleTest and registers each of its tests.
+# Tests of external data belong in <stem>_test.cpp of a folder that is added only when
+# OCKHAM_DATA_DIR is set; the folder reaches them as a compile definition.
+function(ockham_add_test stem)
+  cmake_parse_arguments(arg "" "" "LIBRARIES;LABELS;SOURCES" ${ARGN})
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR})
+  string(REPLACE "/" "_" target "test_${folder}_${stem}")
+  add_executable(${target} ${stem}_test.cpp ${arg_SOURCES})
+  target_link_libraries(${target} PRIVATE ${arg_LIBRARIES} GTest::gtest GTest::gtest_main)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+  ockham_warnings(${target})
+  if(OCKHAM_DATA_DIR)
+    target_compile_definitions(${target} PRIVATE OCKHAM_DATA_DIR="${OCKHAM_DATA_DIR}")
+  endif()
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60
+    PROPERTIES TIMEOUT 300 LABELS "${arg_LABELS}")
+endfunction()

@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
+# ockham_library(name [sources...]) : a static library of one layer with the project's warnings.
+function(ockham_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wconversion -Wshadow
+    -Wno-sign-conversion $<$<BOOL:${OCKHAM_WERROR}>:-Werror>)
+endfunction()
+
+function(ockham_library name)
+  add_library(${name} STATIC ${ARGN})
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  ockham_warnings(${name})
+endfunction()
