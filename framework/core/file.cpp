@@ -21,7 +21,8 @@ std::string reason() { return std::strerror(errno); }
 /// A file descriptor that closes itself.
 class Descriptor {
 public:
-    Descriptor(const fs::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {}
+    Descriptor(const fs::path& path, int flags)
+        : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {}
     ~Descriptor() {
         if (fd_ >= 0) ::close(fd_);
     }
@@ -41,14 +42,16 @@ Container read_whole(const fs::path& path, std::size_t max_bytes) {
     Descriptor file(path, O_RDONLY);
     if (!file) fail_input("cannot open '{}': {}", path.string(), reason());
     struct stat info {};
-    if (::fstat(file.get(), &info) != 0) fail_input("cannot read '{}': {}", path.string(), reason());
+    if (::fstat(file.get(), &info) != 0)
+        fail_input("cannot read '{}': {}", path.string(), reason());
     if (!S_ISREG(info.st_mode)) {
         fail_input("cannot read '{}': it is {}, expected a file", path.string(),
             S_ISDIR(info.st_mode) ? "a folder" : "not a regular file");
     }
     const auto size = static_cast<std::size_t>(info.st_size);
     if (size > max_bytes) {
-        fail_input("cannot read '{}': it has {} bytes, the limit is {}", path.string(), size, max_bytes);
+        fail_input(
+            "cannot read '{}': it has {} bytes, the limit is {}", path.string(), size, max_bytes);
     }
     Container bytes(size, {});
     std::size_t done = 0;
@@ -56,7 +59,9 @@ Container read_whole(const fs::path& path, std::size_t max_bytes) {
         const ssize_t got = ::read(file.get(), bytes.data() + done, size - done);
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) fail_input("cannot read '{}': {}", path.string(), reason());
-        if (got == 0) fail_input("cannot read '{}': it ended after {} of {} bytes", path.string(), done, size);
+        if (got == 0)
+            fail_input(
+                "cannot read '{}': it ended after {} of {} bytes", path.string(), done, size);
         done += static_cast<std::size_t>(got);
     }
     return bytes;
@@ -89,7 +94,8 @@ void write_atomically(const fs::path& path, const std::function<void(const fs::p
     // A device such as /dev/null cannot be renamed over, and needs no protection.
     std::error_code ignored;
     if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
-        if (fs::is_directory(path, ignored)) fail_input("cannot write '{}': it is a folder", path.string());
+        if (fs::is_directory(path, ignored))
+            fail_input("cannot write '{}': it is a folder", path.string());
         return write(path);
     }
     const fs::path temporary = temporary_beside(path);
@@ -121,8 +127,10 @@ void write_file(const fs::path& path, std::span<const std::byte> bytes) {
         std::error_code ignored;
         if (!fs::is_regular_file(target, ignored)) return;
         const std::vector<std::byte> back = read_file(target);
-        if (back.size() != bytes.size() || std::memcmp(back.data(), bytes.data(), bytes.size()) != 0) {
-            fail_input("cannot write '{}': what was read back differs from what was written", path.string());
+        if (back.size() != bytes.size() ||
+            std::memcmp(back.data(), bytes.data(), bytes.size()) != 0) {
+            fail_input("cannot write '{}': what was read back differs from what was written",
+                path.string());
         }
     });
 }
@@ -133,9 +141,11 @@ void write_text(const fs::path& path, std::string_view text) {
 
 void check_writable(const fs::path& path) {
     std::error_code ignored;
-    if (fs::is_directory(path, ignored)) fail_input("cannot write '{}': it is a folder", path.string());
+    if (fs::is_directory(path, ignored))
+        fail_input("cannot write '{}': it is a folder", path.string());
     if (fs::exists(path, ignored)) {
-        if (::access(path.c_str(), W_OK) != 0) fail_input("cannot write '{}': {}", path.string(), reason());
+        if (::access(path.c_str(), W_OK) != 0)
+            fail_input("cannot write '{}': {}", path.string(), reason());
         return;
     }
     const fs::path temporary = temporary_beside(path);

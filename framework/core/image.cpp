@@ -50,12 +50,14 @@ std::span<float> Image::add_channel(const std::string& channel) {
 
 float& Image::at(int x, int y, int channel) {
     return planes_[static_cast<std::size_t>(channel)]
-                  [static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+                  [static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                      static_cast<std::size_t>(x)];
 }
 
 float Image::at(int x, int y, int channel) const {
     return planes_[static_cast<std::size_t>(channel)]
-                  [static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+                  [static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                      static_cast<std::size_t>(x)];
 }
 
 float srgb_encode(float linear) {

@@ -14,9 +14,12 @@ std::function<void(Level, std::string_view)> sink;
 
 const char* prefix(Level level) {
     switch (level) {
-    case Level::warning: return "warning: ";
-    case Level::error: return "error: ";
-    default: return "";
+    case Level::warning:
+        return "warning: ";
+    case Level::error:
+        return "error: ";
+    default:
+        return "";
     }
 }
 

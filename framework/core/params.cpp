@@ -25,7 +25,8 @@ std::string number_text(double value) {
 std::string range_text(const Param& param, bool whole) {
     const char* number = whole ? "a whole number" : "a number";
     if (std::isinf(param.low) && std::isinf(param.high)) return number;
-    if (std::isinf(param.high)) return fmt::format("{} of at least {}", number, number_text(param.low));
+    if (std::isinf(param.high))
+        return fmt::format("{} of at least {}", number, number_text(param.low));
     return fmt::format("{} from {} to {}", number, number_text(param.low), number_text(param.high));
 }
 
@@ -81,15 +82,14 @@ Param& Param::transient() {
 }
 
 std::string Param::text() const {
-    return std::visit(
-        Overload{[&](const bool* v) -> std::string { return *v ? "on" : "off"; },
-            [](const int* v) { return fmt::format("{}", *v); },
-            [](const std::uint64_t* v) { return fmt::format("{}", *v); },
-            [](const float* v) -> std::string {
-                return std::isinf(*v) ? number_text(*v) : fmt::format("{}", *v);
-            },
-            [](const std::string* v) { return *v; },
-            [](const std::vector<std::string>* v) { return join(*v, " "); }},
+    return std::visit(Overload{[&](const bool* v) -> std::string { return *v ? "on" : "off"; },
+                          [](const int* v) { return fmt::format("{}", *v); },
+                          [](const std::uint64_t* v) { return fmt::format("{}", *v); },
+                          [](const float* v) -> std::string {
+                              return std::isinf(*v) ? number_text(*v) : fmt::format("{}", *v);
+                          },
+                          [](const std::string* v) { return *v; },
+                          [](const std::vector<std::string>* v) { return join(*v, " "); }},
         target);
 }
 
@@ -144,12 +144,11 @@ nlohmann::json Params::to_json() const {
     nlohmann::json json = nlohmann::json::object();
     for (const auto& param : params_) {
         if (param->is_transient) continue;
-        json[param->name] = std::visit(
-            Overload{[](const float* v) -> nlohmann::json {
-                         if (std::isinf(*v)) return number_text(*v);
-                         return *v;
-                     },
-                [](const auto* v) -> nlohmann::json { return *v; }},
+        json[param->name] = std::visit(Overload{[](const float* v) -> nlohmann::json {
+                                                    if (std::isinf(*v)) return number_text(*v);
+                                                    return *v;
+                                                },
+                                           [](const auto* v) -> nlohmann::json { return *v; }},
             param->target);
     }
     return json;

@@ -20,8 +20,8 @@ namespace ockham {
 class Param {
 public:
     /// Where the value lives. A bool with no `on_off()` is a plain flag on the command line.
-    using Target = std::variant<bool*, int*, std::uint64_t*, float*, std::string*,
-        std::vector<std::string>*>;
+    using Target =
+        std::variant<bool*, int*, std::uint64_t*, float*, std::string*, std::vector<std::string>*>;
 
     /// Inclusive; numbers only. Infinity must be allowed with `high` = infinity. NaN never is.
     Param& range(double low, double high);
