@@ -17,12 +17,12 @@ namespace ockham {
 /// Triangles of one material. Arrays of attributes are empty or as long as `positions`.
 struct Primitive {
     std::vector<glm::vec3> positions;
-    std::vector<glm::vec3> normals;               ///< unit length
-    std::vector<glm::vec4> tangents;              ///< xyz unit, w = handedness of the bitangent, +-1
-    std::array<std::vector<glm::vec2>, 2> uvs;    ///< texture coordinate sets 0 and 1
-    std::vector<glm::vec4> colors;                ///< linear RGBA factors
-    std::vector<std::uint32_t> indices;           ///< 3 per triangle, counter-clockwise is front
-    int material = 0;                             ///< index into Scene::materials
+    std::vector<glm::vec3> normals;            ///< unit length
+    std::vector<glm::vec4> tangents;           ///< xyz unit, w = handedness of the bitangent, +-1
+    std::array<std::vector<glm::vec2>, 2> uvs; ///< texture coordinate sets 0 and 1
+    std::vector<glm::vec4> colors;             ///< linear RGBA factors
+    std::vector<std::uint32_t> indices;        ///< 3 per triangle, counter-clockwise is front
+    int material = 0;                          ///< index into Scene::materials
 
     std::size_t triangles() const { return indices.size() / 3; }
 };
@@ -49,6 +49,10 @@ struct Bounds {
 
 /// glTF 2.0, 3.7.2.1: flat normals. Un-indexes the triangles, so that each has its own vertices.
 void generate_flat_normals(Primitive& primitive);
+
+/// Makes all normals unit length; those that are zero or not finite become the area-weighted mean
+/// of their vertex's triangles. Returns how many those were.
+std::size_t repair_normals(Primitive& primitive);
 
 /// Tangents from positions, normals and the given texture coordinates, averaged over the
 /// triangles of a vertex that agree in handedness; vertices are split where they do not.
