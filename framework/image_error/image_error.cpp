@@ -107,6 +107,8 @@ ImageError image_error(const Image& test, const Image& reference) {
     const std::vector<float> absolute = absolute_error(displayed_test, displayed_reference);
     error.max = *std::ranges::max_element(absolute);
     error.p99 = quantile(absolute, 0.99);
+    error.map = Image(test.width(), test.height(), {"error"});
+    std::ranges::copy(absolute, error.map.plane(0).begin());
     error.relmse = relative_mse(linear_test, linear_reference);
     error.flip = flip(linear_test, linear_reference);
     count_as_one(error.flip, bad);

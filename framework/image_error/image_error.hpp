@@ -14,19 +14,28 @@ namespace ockham {
 
 /// "Displayed" values are sRGB-encoded and clamped to [0,1]; R, G, B only, all pixels.
 struct ImageError {
-    double mse = 0; ///< displayed; mean over pixels and R, G, B
-    double psnr = std::numeric_limits<double>::infinity(); ///< displayed; decibels, peak 1;
-                                                           ///< infinite for equal pictures
-    double ssim = 1;     ///< displayed; Wang et al. 2004 on luma, 1 = equal
-    double ssim_rgb = 1; ///< displayed; mean of the SSIM of R, G and B
-    double max = 0;      ///< displayed; largest absolute difference
-    double p99 = 0;      ///< displayed; 99 % of the pixels differ by at most this in R, G and B
-    double relmse = 0;   ///< linear; mean of (t - r)^2 / (r^2 + 0.01) over pixels and R, G, B
-    Flip flip;           ///< LDR-FLIP of linear values clamped to [0,1]
-
-    bool hdr = false; ///< a value of either picture exceeds 1, which "displayed" clamps away
-    std::optional<HdrFlip> hdr_flip; ///< where `hdr`
-
+    /// Displayed: mean of the squared difference over pixels and R, G, B.
+    double mse = 0;
+    /// Displayed: decibels, peak 1. Infinite for equal pictures; JSON gets 999 then.
+    double psnr = std::numeric_limits<double>::infinity();
+    /// Displayed: Wang et al. 2004 on luma; 1 = equal.
+    double ssim = 1;
+    /// Displayed: mean of the SSIM of R, of G and of B.
+    double ssim_rgb = 1;
+    /// Displayed: largest absolute difference of a value.
+    double max = 0;
+    /// Displayed: 99 % of the pixels differ by at most this in each of R, G, B.
+    double p99 = 0;
+    /// Linear: mean of (test - reference)^2 / (reference^2 + 0.01) over pixels and R, G, B.
+    double relmse = 0;
+    /// LDR-FLIP of linear values clamped to [0,1].
+    Flip flip;
+    /// A value of either picture exceeds 1, which "displayed" clamps away.
+    bool hdr = false;
+    /// Linear: where `hdr`.
+    std::optional<HdrFlip> hdr_flip;
+    /// Displayed: per pixel the largest absolute difference of R, G, B; one channel, "error".
+    Image map;
     /// Pixels of the test picture with a NaN or an infinity in R, G or B. Each counts as an error
     /// of 1 in mse, max, p99, relmse and both FLIPs, and as white on black in SSIM.
     std::size_t non_finite = 0;

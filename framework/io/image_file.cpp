@@ -8,9 +8,8 @@
 #include <string>
 
 namespace ockham {
-namespace {
 
-bool is_exr(const std::filesystem::path& path) {
+bool is_exr_path(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
         [](unsigned char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
@@ -19,17 +18,13 @@ bool is_exr(const std::filesystem::path& path) {
     fail_input("'{}': picture files end in .exr or .png, found '{}'", path.string(), extension);
 }
 
-} // namespace
-
 Image load_image(const std::filesystem::path& path) {
-    return is_exr(path) ? load_exr(path) : load_png(path);
+    return is_exr_path(path) ? load_exr(path) : load_png(path);
 }
 
 void save_image(
     const std::filesystem::path& path, const Image& image, float exposure_ev, Tonemap curve) {
-    is_exr(path) ? save_exr(path, image) : save_png8(path, image, exposure_ev, curve);
+    is_exr_path(path) ? save_exr(path, image) : save_png8(path, image, exposure_ev, curve);
 }
-
-void check_image_extension(const std::filesystem::path& path) { static_cast<void>(is_exr(path)); }
 
 } // namespace ockham

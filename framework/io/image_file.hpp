@@ -18,7 +18,8 @@ Image load_image(const std::filesystem::path& path);
 void save_image(const std::filesystem::path& path, const Image& image, float exposure_ev = 0.0f,
     Tonemap curve = Tonemap::none);
 
-/// Throws Error(input) unless `save_image` knows the extension: for checking before long work.
-void check_image_extension(const std::filesystem::path& path);
+/// True for `.exr`, false for `.png`, in any case; throws Error(input) for any other extension.
+/// Lets a program refuse an output's name before long work.
+bool is_exr_path(const std::filesystem::path& path);
 
 } // namespace ockham

@@ -149,6 +149,8 @@ TEST(ImageError, NonFinitePixelsCountAsOne) {
     EXPECT_EQ(error.max, 1.0);
     EXPECT_NEAR(error.relmse, share, share * 1e-6);
     EXPECT_EQ(error.flip.max, 1.0);
+    EXPECT_EQ(error.map.at(3, 4, 0), 1.0f);
+    EXPECT_EQ(error.map.at(4, 4, 0), 0.0f);
     EXPECT_EQ(error.flip.map.at(3, 4, 0), 1.0f);
     EXPECT_EQ(error.flip.map.at(200, 100, 0), 1.0f);
     EXPECT_GE(error.flip.mean, share);
