@@ -21,7 +21,7 @@ enum class Access : std::uint8_t {
     color_attachment,   ///< written by a raster pass
     depth_attachment,   ///< tested and written by a raster pass
     transfer_read,      ///< source of a copy
-    transfer_write,     ///< destination of a copy, fill or clear
+    transfer_write,     ///< destination of a copy, fill or clear; the rest keeps its content
     host_read,          ///< read by the host after the execution
 };
 
@@ -38,8 +38,9 @@ struct AccessState {
 };
 
 AccessState state_of(Access access, Stage stage);
-bool reads(Access access);  ///< sees earlier content (depth_attachment and read_write included)
-bool writes(Access access); ///< changes content
+bool reads(Access access);     ///< sees earlier content (depth_attachment and read_write included)
+bool writes(Access access);    ///< changes content
+bool in_shader(Access access); ///< made by a shader, so it has a stage and a binding name
 /// Usage bits that the resource must be created with for this access.
 VkBufferUsageFlags buffer_usage(Access access);
 VkImageUsageFlags image_usage(Access access);

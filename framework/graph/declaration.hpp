@@ -84,6 +84,17 @@ struct Use {
     float clear[4] = {0, 0, 0, 0};
 };
 
+/// Whether the pass depends on the content before it; an attachment does only when loaded.
+inline bool needs_content(const Use& use) {
+    if (use.access == Access::color_attachment || use.access == Access::depth_attachment)
+        return use.load == LoadOp::load;
+    return reads(use.access);
+}
+/// Whether nothing of the content before it is left after the pass. A copy or fill may be partial.
+inline bool replaces_content(const Use& use) {
+    return writes(use.access) && use.access != Access::transfer_write && !needs_content(use);
+}
+
 enum class PassKind : std::uint8_t { compute, raster, transfer };
 
 struct PassDecl {

@@ -50,6 +50,7 @@ public:
     [[nodiscard]] BufferHandle read_write(
         std::string binding, BufferHandle, Stage = Stage::compute);
     [[nodiscard]] ImageHandle read_write(std::string binding, ImageHandle, Stage = Stage::compute);
+    /// Destination of a copy, fill or clear. What it does not cover keeps its content.
     [[nodiscard]] BufferHandle copy_to(BufferHandle buffer);
     [[nodiscard]] ImageHandle copy_to(ImageHandle image);
     /// Attachments of a raster pass, in the order of their shader locations. `discard` leaves
@@ -122,7 +123,11 @@ private:
     friend class PassBuilder;
     PassId add_pass(std::string name, PassKind kind, std::source_location where);
     ResourceId add_resource(ResourceDecl resource);
+    ResourceId find(std::string_view name, ResourceKind kind) const;
+    /// Records a misuse unless the handle is the newest of its resource; false if it names none.
+    bool accept(const std::string& user, ResourceId resource, std::uint32_t version);
     std::uint32_t use(PassId pass, ResourceId resource, std::uint32_t version, Use use);
+    void add_export(ResourceId resource, std::uint32_t version, std::string why);
     void misuse(const char* code, std::string text);
 
     Declaration declaration_;

@@ -18,17 +18,20 @@ enum class Hazard : std::uint8_t {
     write_after_write,
     layout,    ///< same data, other layout
     first_use, ///< content is new: from UNDEFINED, after whoever last used the memory
-    alias,     ///< memory handed over from another resource
-    exit,      ///< external resource left in the promised state
+    /// Memory handed over from other resources. src_* are theirs, so the dependency must cover
+    /// memory that was written through them, not only accesses through this one.
+    alias,
+    exit, ///< external resource left in the promised state
 };
 const char* name_of(Hazard hazard);
 
-/// One memory dependency on one resource. Buffers ignore the layouts.
+/// One memory dependency on one resource. Buffers ignore the layouts. Later readers in the same
+/// layout wait by this barrier too: their stages and accesses are part of dst_*.
 struct Barrier {
     ResourceId resource = kNone;
     Hazard hazard = Hazard::read_after_write;
     PassId from = kNone; ///< the pass waited for; kNone = before this execution
-    PassId to = kNone;   ///< the pass that waits; kNone = after the execution
+    PassId to = kNone;   ///< the first pass that waits; kNone = after the execution
     VkPipelineStageFlags2 src_stages = 0, dst_stages = 0;
     VkAccessFlags2 src_access = 0, dst_access = 0;
     VkImageLayout old_layout = VK_IMAGE_LAYOUT_UNDEFINED;
