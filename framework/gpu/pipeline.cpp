@@ -1,1 +1,425 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "framework/gpu/pipeline.hpp"
+
+#include "framework/core/error.hpp"
+#include "framework/core/file.hpp"
+#include "framework/core/log.hpp"
+#include "framework/gpu/device.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace ockham::gpu {
+
+namespace {
+
+const char* name_of(VkShaderStageFlagBits stage) {
+    switch (stage) {
+    case VK_SHADER_STAGE_COMPUTE_BIT:
+        return "compute";
+    case VK_SHADER_STAGE_VERTEX_BIT:
+        return "vertex";
+    case VK_SHADER_STAGE_FRAGMENT_BIT:
+        return "fragment";
+    default:
+        return "other";
+    }
+}
+
+void expect_stage(const Reflection& shader, VkShaderStageFlagBits stage) {
+    if (shader.stage == stage) return;
+    fail_input("shader '{}' is a {} shader, but is used as a {} shader", shader.name,
+        name_of(shader.stage), name_of(stage));
+}
+
+/// A shader module that lives while pipelines are made from it.
+class Module {
+public:
+    Module(const Device& device, const std::string& name) : device_(device) {
+        const std::span<const std::uint32_t> words = find_shader(name);
+        const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+            .codeSize = words.size_bytes(),
+            .pCode = words.data()};
+        expect(vkCreateShaderModule(device.handle(), &info, nullptr, &handle),
+            fmt::format("creating the module of shader '{}'", name));
+        set_name(device, VK_OBJECT_TYPE_SHADER_MODULE, handle, name);
+    }
+    ~Module() { vkDestroyShaderModule(device_.handle(), handle, nullptr); }
+    Module(const Module&) = delete;
+    Module& operator=(const Module&) = delete;
+
+    VkShaderModule handle = VK_NULL_HANDLE;
+
+private:
+    const Device& device_;
+};
+
+/// VkSpecializationInfo with the tables that it points to.
+struct SpecializationTable {
+    explicit SpecializationTable(const Specialization& specialization) {
+        for (const auto& [id, value] : specialization) {
+            entries.push_back({.constantID = id,
+                .offset = static_cast<std::uint32_t>(values.size() * sizeof(std::uint32_t)),
+                .size = sizeof(std::uint32_t)});
+            values.push_back(value);
+        }
+        info = {.mapEntryCount = static_cast<std::uint32_t>(entries.size()),
+            .pMapEntries = entries.data(),
+            .dataSize = values.size() * sizeof(std::uint32_t),
+            .pData = values.data()};
+    }
+    SpecializationTable(const SpecializationTable&) = delete;
+    SpecializationTable& operator=(const SpecializationTable&) = delete;
+
+    std::vector<VkSpecializationMapEntry> entries;
+    std::vector<std::uint32_t> values;
+    VkSpecializationInfo info{};
+};
+
+/// Every constant must exist in one of the shaders at least.
+void check_constants(
+    const Specialization& specialization, std::span<const Reflection* const> shaders) {
+    for (const auto& [id, value] : specialization) {
+        const bool known = std::ranges::any_of(shaders, [id = id](const Reflection* shader) {
+            return std::ranges::find(shader->constant_ids, id) != shader->constant_ids.end();
+        });
+        if (!known) {
+            fail_input("shader '{}' has no specialisation constant {}; it has: {}",
+                shaders.front()->name, id, fmt::join(shaders.front()->constant_ids, ", "));
+        }
+    }
+}
+
+void check_group(const Reflection& shader, const std::array<std::uint32_t, 3>& size) {
+    const std::uint64_t invocations = std::uint64_t{size[0]} * size[1] * size[2];
+    if (invocations >= 1 && invocations <= 256) return;
+    fail_input("shader '{}' has workgroups of {} x {} x {} = {} invocations; portable are 1 to 256",
+        shader.name, size[0], size[1], size[2], invocations);
+}
+
+VkPipelineShaderStageCreateInfo stage_info(
+    VkShaderStageFlagBits stage, const Module& module, const SpecializationTable& table) {
+    return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+        .stage = stage,
+        .module = module.handle,
+        .pName = "main",
+        .pSpecializationInfo = &table.info};
+}
+
+} // namespace
+
+Pipelines::Pipelines(Device& device, std::filesystem::path cache_dir) : device_(device) {
+    load_cache(cache_dir);
+}
+
+Pipelines::~Pipelines() {
+    save_cache();
+    const VkDevice device = device_.handle();
+    for (const auto& [key, pipeline] : compute_)
+        vkDestroyPipeline(device, pipeline.handle, nullptr);
+    for (const auto& [key, pipeline] : raster_) vkDestroyPipeline(device, pipeline.handle, nullptr);
+    for (const auto& [key, pass] : render_passes_) vkDestroyRenderPass(device, pass, nullptr);
+    for (const auto& [key, layout] : layouts_) {
+        vkDestroyPipelineLayout(device, layout->handle, nullptr);
+        for (const VkDescriptorSetLayout set : layout->sets) {
+            vkDestroyDescriptorSetLayout(device, set, nullptr);
+        }
+    }
+    vkDestroyPipelineCache(device, cache_, nullptr);
+}
+
+std::size_t Pipelines::count() const {
+    const std::lock_guard lock(mutex_);
+    return compute_.size() + raster_.size();
+}
+
+const Reflection& Pipelines::reflection(const std::string& shader) {
+    const auto found = reflections_.find(shader);
+    if (found != reflections_.end()) return found->second;
+    return reflections_.emplace(shader, reflect(shader, find_shader(shader))).first->second;
+}
+
+const PipelineLayout& Pipelines::layout(const Shaders& shaders) {
+    std::unique_ptr<PipelineLayout>& known = layouts_[shaders];
+    if (known) return *known;
+    auto layout = std::make_unique<PipelineLayout>();
+    std::uint32_t set_count = 0;
+    for (const std::string& shader : shaders) {
+        const Reflection& reflected = reflection(shader);
+        if (reflected.push_bytes > 0) {
+            layout->push_bytes = std::max(layout->push_bytes, reflected.push_bytes);
+            layout->push_stages |= reflected.stage;
+        }
+        for (const ShaderBinding& binding : reflected.bindings) {
+            set_count = std::max(set_count, binding.set + 1);
+            const auto slot = std::ranges::find_if(layout->slots, [&](const auto& other) {
+                return other.binding.set == binding.set && other.binding.binding == binding.binding;
+            });
+            if (slot == layout->slots.end()) {
+                layout->slots.push_back({binding, shader, VkShaderStageFlags(reflected.stage)});
+                continue;
+            }
+            if (slot->binding.name != binding.name || slot->binding.type != binding.type) {
+                fail_input(
+                    "shaders '{}' and '{}' disagree about set {}, binding {}: '{}' and '{}'; "
+                    "give one of them another number",
+                    slot->shader, shader, binding.set, binding.binding, slot->binding.name,
+                    binding.name);
+            }
+            slot->binding.reads |= binding.reads;
+            slot->binding.writes |= binding.writes;
+            slot->stages |= reflected.stage;
+        }
+    }
+    std::ranges::sort(layout->slots, {}, [](const PipelineLayout::Slot& slot) {
+        return std::pair(slot.binding.set, slot.binding.binding);
+    });
+    const auto in_set_0 = std::ranges::count_if(
+        layout->slots, [](const auto& slot) { return slot.binding.set == 0; });
+    layout->pushes_set_0 =
+        device_.pushes_descriptors() && in_set_0 > 0 &&
+        in_set_0 <= static_cast<std::ptrdiff_t>(device_.limits().push_descriptors);
+
+    for (std::uint32_t set = 0; set < set_count; ++set) {
+        std::vector<VkDescriptorSetLayoutBinding> rows;
+        for (const PipelineLayout::Slot& slot : layout->slots) {
+            if (slot.binding.set != set) continue;
+            rows.push_back({.binding = slot.binding.binding,
+                .descriptorType = slot.binding.type,
+                .descriptorCount = 1,
+                .stageFlags = slot.stages});
+        }
+        const bool pushed = set == 0 && layout->pushes_set_0;
+        const VkDescriptorSetLayoutCreateInfo info{
+            .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+            .flags =
+                pushed
+                    ? VkDescriptorSetLayoutCreateFlags{VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR}
+                    : 0,
+            .bindingCount = static_cast<std::uint32_t>(rows.size()),
+            .pBindings = rows.data()};
+        VkDescriptorSetLayout handle = VK_NULL_HANDLE;
+        expect(vkCreateDescriptorSetLayout(device_.handle(), &info, nullptr, &handle),
+            fmt::format("creating the descriptor layout of '{}'", fmt::join(shaders, " + ")));
+        layout->sets.push_back(handle);
+    }
+    const VkPushConstantRange push{
+        .stageFlags = layout->push_stages, .offset = 0, .size = (layout->push_bytes + 3) / 4 * 4};
+    const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+        .setLayoutCount = static_cast<std::uint32_t>(layout->sets.size()),
+        .pSetLayouts = layout->sets.data(),
+        .pushConstantRangeCount = layout->push_bytes > 0 ? 1u : 0u,
+        .pPushConstantRanges = &push};
+    expect(vkCreatePipelineLayout(device_.handle(), &info, nullptr, &layout->handle),
+        fmt::format("creating the pipeline layout of '{}'", fmt::join(shaders, " + ")));
+    known = std::move(layout);
+    return *known;
+}
+
+const Pipeline& Pipelines::compute(std::string_view shader, const Specialization& specialization) {
+    const std::lock_guard lock(mutex_);
+    auto key = std::pair(std::string(shader), specialization);
+    const auto found = compute_.find(key);
+    if (found != compute_.end()) return found->second;
+
+    const std::string& name = key.first;
+    const Reflection& reflected = reflection(name);
+    expect_stage(reflected, VK_SHADER_STAGE_COMPUTE_BIT);
+    const Reflection* const shaders[] = {&reflected};
+    check_constants(specialization, shaders);
+    Pipeline pipeline{.shaders = name, .local_size = reflected.local_size(specialization)};
+    check_group(reflected, pipeline.local_size);
+    pipeline.layout = &layout({name});
+    const Module module(device_, name);
+    const SpecializationTable table(specialization);
+    const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+        .stage = stage_info(VK_SHADER_STAGE_COMPUTE_BIT, module, table),
+        .layout = pipeline.layout->handle};
+    expect(vkCreateComputePipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle),
+        fmt::format("creating the pipeline of shader '{}'", name));
+    set_name(device_, VK_OBJECT_TYPE_PIPELINE, pipeline.handle, name);
+    return compute_.emplace(std::move(key), std::move(pipeline)).first->second;
+}
+
+VkRenderPass Pipelines::render_pass(const std::vector<Attachment>& attachments) {
+    const std::lock_guard lock(mutex_);
+    return render_pass_locked(attachments);
+}
+
+VkRenderPass Pipelines::render_pass_locked(const std::vector<Attachment>& attachments) {
+    VkRenderPass& pass = render_passes_[attachments];
+    if (pass) return pass;
+    std::vector<VkAttachmentDescription> descriptions;
+    std::vector<VkAttachmentReference> colors;
+    VkAttachmentReference depth{.attachment = VK_ATTACHMENT_UNUSED};
+    for (const Attachment& attachment : attachments) {
+        const VkImageLayout layout = attachment.depth
+                                         ? VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL
+                                         : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+        const VkAttachmentReference reference{
+            .attachment = static_cast<std::uint32_t>(descriptions.size()), .layout = layout};
+        if (attachment.depth) {
+            depth = reference;
+        } else {
+            colors.push_back(reference);
+        }
+        descriptions.push_back({.format = attachment.format,
+            .samples = VK_SAMPLE_COUNT_1_BIT,
+            .loadOp = attachment.load,
+            .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+            .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+            .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+            .initialLayout = layout,
+            .finalLayout = layout});
+    }
+    const VkSubpassDescription subpass{.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS,
+        .colorAttachmentCount = static_cast<std::uint32_t>(colors.size()),
+        .pColorAttachments = colors.data(),
+        .pDepthStencilAttachment = &depth};
+    const VkRenderPassCreateInfo info{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+        .attachmentCount = static_cast<std::uint32_t>(descriptions.size()),
+        .pAttachments = descriptions.data(),
+        .subpassCount = 1,
+        .pSubpasses = &subpass};
+    expect(vkCreateRenderPass(device_.handle(), &info, nullptr, &pass), "creating a render pass");
+    return pass;
+}
+
+const Pipeline& Pipelines::raster(
+    const RasterState& state, const std::vector<Attachment>& attachments) {
+    const std::lock_guard lock(mutex_);
+    auto key = std::pair(state, attachments);
+    const auto found = raster_.find(key);
+    if (found != raster_.end()) return found->second;
+
+    const Reflection& vertex = reflection(state.vertex_shader);
+    expect_stage(vertex, VK_SHADER_STAGE_VERTEX_BIT);
+    Shaders shaders{state.vertex_shader};
+    std::vector<const Reflection*> reflections{&vertex};
+    if (!state.fragment_shader.empty()) {
+        const Reflection& fragment = reflection(state.fragment_shader);
+        expect_stage(fragment, VK_SHADER_STAGE_FRAGMENT_BIT);
+        shaders.push_back(state.fragment_shader);
+        reflections.push_back(&fragment);
+    }
+    check_constants(state.specialization, reflections);
+    Pipeline pipeline{
+        .layout = &layout(shaders), .shaders = fmt::format("{}", fmt::join(shaders, " + "))};
+
+    std::vector<std::unique_ptr<Module>> modules;
+    std::vector<VkPipelineShaderStageCreateInfo> stages;
+    const SpecializationTable table(state.specialization);
+    for (std::size_t i = 0; i < shaders.size(); ++i) {
+        modules.push_back(std::make_unique<Module>(device_, shaders[i]));
+        stages.push_back(stage_info(reflections[i]->stage, *modules.back(), table));
+    }
+    const VkPipelineVertexInputStateCreateInfo no_vertices{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    const VkPipelineInputAssemblyStateCreateInfo triangles{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
+    const VkPipelineViewportStateCreateInfo viewport{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+        .viewportCount = 1,
+        .scissorCount = 1};
+    const VkPipelineRasterizationStateCreateInfo rasterization{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+        .polygonMode = VK_POLYGON_MODE_FILL,
+        .lineWidth = 1};
+    const VkPipelineMultisampleStateCreateInfo one_sample{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+    const VkPipelineDepthStencilStateCreateInfo depth{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+        .depthTestEnable = state.depth_test,
+        .depthWriteEnable = state.depth_write,
+        .depthCompareOp = VK_COMPARE_OP_GREATER};
+    const auto color_count = std::ranges::count(attachments, false, &Attachment::depth);
+    const std::vector<VkPipelineColorBlendAttachmentState> opaque(
+        static_cast<std::size_t>(color_count), {.colorWriteMask = 0xf});
+    const VkPipelineColorBlendStateCreateInfo blend{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+        .attachmentCount = static_cast<std::uint32_t>(opaque.size()),
+        .pAttachments = opaque.data()};
+    constexpr VkDynamicState kDynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
+        VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE};
+    const VkPipelineDynamicStateCreateInfo dynamic{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+        .dynamicStateCount = std::size(kDynamic),
+        .pDynamicStates = kDynamic};
+    const VkGraphicsPipelineCreateInfo info{
+        .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+        .stageCount = static_cast<std::uint32_t>(stages.size()),
+        .pStages = stages.data(),
+        .pVertexInputState = &no_vertices,
+        .pInputAssemblyState = &triangles,
+        .pViewportState = &viewport,
+        .pRasterizationState = &rasterization,
+        .pMultisampleState = &one_sample,
+        .pDepthStencilState = &depth,
+        .pColorBlendState = &blend,
+        .pDynamicState = &dynamic,
+        .layout = pipeline.layout->handle,
+        .renderPass = render_pass_locked(attachments)};
+    expect(vkCreateGraphicsPipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle),
+        fmt::format("creating the pipeline of shaders '{}'", pipeline.shaders));
+    set_name(device_, VK_OBJECT_TYPE_PIPELINE, pipeline.handle, pipeline.shaders);
+    return raster_.emplace(std::move(key), std::move(pipeline)).first->second;
+}
+
+void Pipelines::load_cache(const std::filesystem::path& folder) {
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(device_.physical(), &properties);
+    std::vector<std::byte> data;
+    if (!folder.empty()) {
+        std::string id;
+        for (const std::uint8_t byte : properties.pipelineCacheUUID)
+            id += fmt::format("{:02x}", byte);
+        cache_file_ = folder / fmt::format("pipelines-{:04x}-{:04x}-{}.bin", properties.vendorID,
+                                   properties.deviceID, id);
+        try {
+            if (std::filesystem::exists(cache_file_)) data = read_file(cache_file_);
+        } catch (const std::exception& error) {
+            log::debug("pipeline cache ignored: {}", error.what());
+        }
+    }
+    // Drivers check the header too, but not all of them survive garbage.
+    VkPipelineCacheHeaderVersionOne header{};
+    if (data.size() >= sizeof header) std::memcpy(&header, data.data(), sizeof header);
+    const bool matches =
+        header.headerSize == sizeof header &&
+        header.headerVersion == VK_PIPELINE_CACHE_HEADER_VERSION_ONE &&
+        header.vendorID == properties.vendorID && header.deviceID == properties.deviceID &&
+        std::memcmp(header.pipelineCacheUUID, properties.pipelineCacheUUID, VK_UUID_SIZE) == 0;
+    if (!data.empty() && !matches) {
+        log::debug(
+            "pipeline cache ignored: {} is of another device or driver", cache_file_.string());
+        data.clear();
+    }
+    loaded_bytes_ = data.size();
+    const VkPipelineCacheCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO,
+        .initialDataSize = data.size(),
+        .pInitialData = data.data()};
+    expect(vkCreatePipelineCache(device_.handle(), &info, nullptr, &cache_),
+        "creating a pipeline cache");
+}
+
+void Pipelines::save_cache() const {
+    if (cache_file_.empty()) return;
+    try {
+        std::size_t bytes = 0;
+        expect(vkGetPipelineCacheData(device_.handle(), cache_, &bytes, nullptr),
+            "reading the pipeline cache");
+        if (bytes <= loaded_bytes_) return;
+        std::vector<std::byte> data(bytes);
+        expect(vkGetPipelineCacheData(device_.handle(), cache_, &bytes, data.data()),
+            "reading the pipeline cache");
+        data.resize(bytes);
+        std::filesystem::create_directories(cache_file_.parent_path());
+        write_file(cache_file_, data);
+    } catch (const std::exception& error) {
+        log::debug("pipeline cache not saved: {}", error.what());
+    }
+}
+
+} // namespace ockham::gpu

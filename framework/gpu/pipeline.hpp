@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compute and raster pipelines made from shader names, with the layouts that reflection implies.
+// Each is made once per device and kept; the driver's cache is kept on disk. The runtime asks here;
+// passes name shaders only.
+#pragma once
+
+#include "framework/gpu/shader.hpp"
+
+#include <vulkan/vulkan.h>
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ockham::gpu {
+
+class Device;
+
+/// What the shaders of one pipeline need bound, all stages together.
+struct PipelineLayout {
+    struct Slot {
+        ShaderBinding binding; ///< reads and writes: by any stage
+        std::string shader;    ///< one that uses it, for messages
+        VkShaderStageFlags stages = 0;
+    };
+    VkPipelineLayout handle = VK_NULL_HANDLE;
+    std::vector<VkDescriptorSetLayout> sets;
+    std::vector<Slot> slots; ///< by set, then binding
+    /// Set 0 is given by push descriptors; the others, and without this set 0 too, by sets.
+    bool pushes_set_0 = false;
+    std::uint32_t push_bytes = 0;
+    VkShaderStageFlags push_stages = 0;
+};
+
+struct Pipeline {
+    VkPipeline handle = VK_NULL_HANDLE;
+    const PipelineLayout* layout = nullptr;
+    std::string shaders; ///< "surface/metrics.comp", "a.vert + a.frag"
+    std::array<std::uint32_t, 3> local_size{1, 1, 1};
+};
+
+struct Attachment {
+    VkFormat format = VK_FORMAT_UNDEFINED;
+    VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    bool depth = false; ///< at most one, the last
+
+    auto operator<=>(const Attachment&) const = default;
+};
+
+/// Triangles without vertex layout; viewport, scissor, cull mode and front face are dynamic.
+struct RasterState {
+    std::string vertex_shader;
+    std::string fragment_shader; ///< empty: depth only
+    Specialization specialization;
+    bool depth_test = true; ///< passes where greater: reversed depth
+    bool depth_write = true;
+
+    auto operator<=>(const RasterState&) const = default;
+};
+
+/// Safe to call from several threads; what it returns lives as long as the device.
+class Pipelines {
+public:
+    /// `cache_dir` empty: nothing on disk.
+    Pipelines(Device& device, std::filesystem::path cache_dir);
+    /// Writes the driver's cache if it has grown; a failure to do so is a debug message.
+    ~Pipelines();
+    Pipelines(const Pipelines&) = delete;
+    Pipelines& operator=(const Pipelines&) = delete;
+
+    /// Throw Error(input) naming the shader: unknown, wrong stage, unknown constant id, more than
+    /// 256 invocations per workgroup, stages that disagree about a binding.
+    const Pipeline& compute(std::string_view shader, const Specialization& specialization);
+    const Pipeline& raster(const RasterState& state, const std::vector<Attachment>& attachments);
+    /// Attachments keep their attachment layout; dependencies are the caller's barriers.
+    VkRenderPass render_pass(const std::vector<Attachment>& attachments);
+    std::size_t count() const; ///< pipelines made so far
+
+    /// The cache file of this device; empty if there is none.
+    const std::filesystem::path& cache_file() const { return cache_file_; }
+
+private:
+    using Shaders = std::vector<std::string>;
+    const Reflection& reflection(const std::string& shader);
+    const PipelineLayout& layout(const Shaders& shaders);
+    VkRenderPass render_pass_locked(const std::vector<Attachment>& attachments);
+    void load_cache(const std::filesystem::path& folder);
+    void save_cache() const;
+
+    Device& device_;
+    std::filesystem::path cache_file_;
+    std::size_t loaded_bytes_ = 0;
+    VkPipelineCache cache_ = VK_NULL_HANDLE;
+    mutable std::mutex mutex_;
+    std::map<std::string, Reflection> reflections_;
+    std::map<Shaders, std::unique_ptr<PipelineLayout>> layouts_;
+    std::map<std::vector<Attachment>, VkRenderPass> render_passes_;
+    std::map<std::pair<std::string, Specialization>, Pipeline, std::less<>> compute_;
+    std::map<std::pair<RasterState, std::vector<Attachment>>, Pipeline> raster_;
+};
+
+} // namespace ockham::gpu

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPIR-V embedded at build time, found by name, and what it says about itself. Shaders are the one
+// source of truth for bindings, push constants and workgroup size: C++ repeats none of them.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace ockham::gpu {
+
+/// Values of specialisation constants: (constant_id, 32-bit value).
+using Specialization = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+/// One row of the tables that ockham_add_shaders() generates.
+struct EmbeddedShader {
+    template <std::size_t N>
+    EmbeddedShader(const char* shader_name, const std::uint32_t (&shader_words)[N])
+        : name(shader_name), words(shader_words) {}
+
+    std::string_view name;
+    std::span<const std::uint32_t> words;
+};
+
+/// Adds a table that lives as long as the program. A name that exists already must be the same
+/// shader: two libraries may embed one file.
+struct ShaderRegistration {
+    explicit ShaderRegistration(std::span<const EmbeddedShader> table);
+};
+
+/// SPIR-V of "surface/metrics.comp" or, for variants, "surface/gbuffer.frag:masked". Throws
+/// Error(input) with the names that exist.
+std::span<const std::uint32_t> find_shader(std::string_view name);
+
+/// One resource of a shader that its code uses.
+struct ShaderBinding {
+    /// Name of the variable (of the block's instance for buffers), else of the block.
+    std::string name;
+    std::uint32_t set = 0;
+    std::uint32_t binding = 0;
+    VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    bool reads = true;  ///< not `writeonly`
+    bool writes = true; ///< not `readonly`
+    /// Images: what view the shader expects, and for storage images the format it declares.
+    VkImageViewType view_type = VK_IMAGE_VIEW_TYPE_2D;
+    VkFormat format = VK_FORMAT_UNDEFINED;
+};
+
+struct Reflection {
+    std::string name;
+    VkShaderStageFlagBits stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    std::vector<ShaderBinding> bindings;
+    std::uint32_t push_bytes = 0; ///< 0: none
+    std::vector<std::uint32_t> constant_ids;
+
+    /// Invocations per workgroup and axis after specialisation; compute only.
+    std::array<std::uint32_t, 3> local_size(const Specialization& specialization) const;
+
+    std::array<std::uint32_t, 3> default_local_size{1, 1, 1};
+    std::array<std::optional<std::uint32_t>, 3> local_size_ids; ///< local_size_x_id and so on
+};
+
+/// Throws Error(input) naming the shader where it holds what the runtime does not bind: descriptor
+/// arrays, separate samplers, multisampled images, texel buffers, or more than the portable budget
+/// (4 sets, 16 storage images, 128 bytes of push constants).
+Reflection reflect(std::string_view name, std::span<const std::uint32_t> words);
+
+} // namespace ockham::gpu
