@@ -65,14 +65,20 @@ glm::vec3 vector3(const std::vector<double>& values, glm::vec3 fallback) {
     return values.size() == 3 ? glm::vec3(values[0], values[1], values[2]) : fallback;
 }
 
-bool finite(const glm::mat4& matrix) {
-    for (int column = 0; column < 4; ++column) {
-        for (int row = 0; row < 4; ++row) {
-            if (!std::isfinite(matrix[column][row])) return false;
-        }
+bool finite(glm::vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+/// Where a matrix takes the corners of a box, they are finite.
+bool finite(const glm::mat4& matrix, const Bounds& box) {
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 point(corner & 1 ? box.high.x : box.low.x,
+            corner & 2 ? box.high.y : box.low.y, corner & 4 ? box.high.z : box.low.z);
+        if (!finite(glm::vec3(matrix * glm::vec4(point, 1.0f)))) return false;
     }
     return true;
 }
+
+/// To the accuracy that glTF files have: normals are often stored in 8 bits.
+bool is_unit(glm::vec3 v) { return std::abs(glm::length(v) - 1.0f) < 0.00674f; }
 
 // --- Accessors -----------------------------------------------------------------------------------
 
@@ -126,7 +132,22 @@ public:
     AccessorReader(const tinygltf::Model& model, const GltfFile& file, const GltfFindings& findings)
         : model_(model), file_(file), findings_(findings) {}
 
-    const tinygltf::Accessor& accessor(int index) const { return model_.accessors[index]; }
+    /// Throws if its type is unknown.
+    const tinygltf::Accessor& accessor(int index) const {
+        if (file_.unknown_accessors[index]) {
+            findings_.fatal("accessors[{}] is read, but its type is unknown", index);
+        }
+        return model_.accessors[index];
+    }
+
+    /// False if it lies in a buffer that the file gives no data for.
+    bool has_data(int index) const {
+        const tinygltf::Accessor& source = accessor(index);
+        if (!view_has_data(source.bufferView)) return false;
+        if (!source.sparse.isSparse) return true;
+        return view_has_data(source.sparse.indices.bufferView) &&
+               view_has_data(source.sparse.values.bufferView);
+    }
 
     /// The first `Vector::length()` components of each element, as floats.
     template <class Vector>
@@ -152,18 +173,20 @@ public:
         return result;
     }
 
-    /// The bytes of a view; throws if its buffer has no data.
+    /// The bytes of a view; none if its buffer has no data.
     std::span<const std::byte> view(int index) const {
         const tinygltf::BufferView& source = model_.bufferViews[index];
-        const std::vector<std::byte>& buffer = file_.buffers[source.buffer];
-        if (buffer.empty()) {
-            findings_.fatal("bufferViews[{}] is read, but buffers[{}] has no uri and no data",
-                index, source.buffer);
-        }
-        return std::span(buffer).subspan(source.byteOffset, source.byteLength);
+        if (!view_has_data(index)) return {};
+        return std::span(file_.buffers[source.buffer])
+            .subspan(source.byteOffset, source.byteLength);
     }
 
 private:
+    bool view_has_data(int index) const {
+        return index == file_.zeros_view ||
+               !file_.buffers[model_.bufferViews[index].buffer].empty();
+    }
+
     /// Calls take(element, first byte) for every element that has data, sparse ones last.
     template <class Take>
     void visit(int index, Take take) const {
@@ -235,7 +258,7 @@ private:
             std::vector<std::byte> bytes;
             std::span<const std::byte> encoded;
             if (!source.uri.empty()) {
-                bytes = read_gltf_uri(source.uri, folder_, options_.allow_external, what);
+                bytes = read_gltf_uri(source.uri, folder_, options_.allow_external);
                 encoded = bytes;
             } else if (source.buffer_view >= 0) {
                 encoded = reader_.view(source.buffer_view);
@@ -245,7 +268,11 @@ private:
             result = static_cast<int>(scene_.images.size());
             scene_.images.push_back(std::move(decoded));
         } catch (const Error& error) {
-            findings_.tolerate("{} is left out: {}", what, error.what());
+            if (is_remote_gltf_uri(source.uri)) {
+                findings_.note("{} is left out: {}", what, error.what());
+            } else {
+                findings_.tolerate("{} is left out: {}", what, error.what());
+            }
         }
         return result;
     }
@@ -418,17 +445,33 @@ private:
             std::optional<Primitive> primitive = read_primitive(source.primitives[i], where);
             if (primitive) mesh.primitives.push_back(std::move(*primitive));
         }
+        Bounds& bounds = mesh_bounds_.emplace_back();
+        for (const Primitive& primitive : mesh.primitives) {
+            for (const glm::vec3& position : primitive.positions) bounds.add(position);
+        }
         scene_.meshes.push_back(std::move(mesh));
+    }
+
+    /// Why a valid primitive is not read, or null.
+    const char* reason_to_skip(const tinygltf::Primitive& source) const {
+        if (source.mode < TINYGLTF_MODE_TRIANGLES) return "it has points or lines";
+        if (source.mode > TINYGLTF_MODE_TRIANGLE_FAN) return "its mode is unknown";
+        if (!source.attributes.contains("POSITION")) return "it has no POSITION";
+        constexpr const char* kNoData = "it lies in a buffer without data";
+        if (source.indices >= 0 && !reader_.has_data(source.indices)) return kNoData;
+        for (const char* name :
+            {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"}) {
+            const auto found = source.attributes.find(name);
+            if (found != source.attributes.end() && !reader_.has_data(found->second))
+                return kNoData;
+        }
+        return nullptr;
     }
 
     std::optional<Primitive> read_primitive(
         const tinygltf::Primitive& source, const std::string& where) {
-        if (source.mode < TINYGLTF_MODE_TRIANGLES) {
-            findings_.note("{} has points or lines, it is left out", where);
-            return std::nullopt;
-        }
-        if (!source.attributes.contains("POSITION")) {
-            findings_.note("{} has no POSITION, it is left out", where);
+        if (const char* reason = reason_to_skip(source)) {
+            findings_.note("{} is left out: {}", where, reason);
             return std::nullopt;
         }
         if (!source.targets.empty() && !warned_morph_) {
@@ -489,7 +532,7 @@ private:
         const std::vector<glm::vec3>& positions, const std::string& where) const {
         for (std::size_t i = 0; i < positions.size(); ++i) {
             const glm::vec3& p = positions[i];
-            if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
+            if (finite(p)) continue;
             findings_.fatal(
                 "{}.attributes.POSITION: vertex {} is ({}, {}, {}), expected finite numbers", where,
                 i, p.x, p.y, p.z);
@@ -554,8 +597,12 @@ private:
             }
         }
         to_triangles(primitive, std::move(list), source.mode, where);
-        const std::size_t dropped = drop_degenerate_triangles(primitive);
-        if (dropped != 0) log::debug("{}: {} degenerate triangles dropped", where, dropped);
+        const std::size_t triangles = drop_degenerate_triangles(primitive);
+        const std::size_t unused = drop_unused_vertices(primitive);
+        if (triangles + unused != 0) {
+            log::debug("{}: {} degenerate triangles and {} unused vertices dropped", where,
+                triangles, unused);
+        }
     }
 
     /// Lists, strips and fans to triangles: glTF 2.0, 3.7.2.1, which keeps the orientation.
@@ -613,6 +660,12 @@ private:
     }
 
     void normalize_normals(Primitive& primitive, const std::string& where) const {
+        const auto count = std::count_if(primitive.normals.begin(), primitive.normals.end(),
+            [](glm::vec3 normal) { return !is_unit(normal); });
+        if (count != 0) {
+            findings_.tolerate(
+                "{}.attributes.NORMAL: {} vertices are not of unit length", where, count);
+        }
         const std::size_t bad = repair_normals(primitive);
         if (bad != 0) {
             findings_.tolerate("{}.attributes.NORMAL: {} vertices have no direction, taken from "
@@ -644,7 +697,7 @@ private:
 
     // Nodes
 
-    static glm::mat4 local_transform(const tinygltf::Node& node) {
+    glm::mat4 local_transform(const tinygltf::Node& node, int index) const {
         glm::mat4 matrix(1.0f);
         if (node.matrix.size() == 16) {
             for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = static_cast<float>(node.matrix[i]);
@@ -655,6 +708,9 @@ private:
             const std::vector<double>& r = node.rotation;
             rotation = glm::dquat(r[3], r[0], r[1], r[2]);
             const double length = glm::length(rotation);
+            if (!(std::abs(length - 1.0) < 0.00769)) {
+                findings_.tolerate("nodes[{}].rotation has length {}, expected 1", index, length);
+            }
             rotation = length > 0.0 ? rotation / length : glm::dquat(1.0, 0.0, 0.0, 0.0);
         }
         matrix = glm::mat4(glm::mat4_cast(rotation));
@@ -691,11 +747,7 @@ private:
             const Pending next = pending.back();
             pending.pop_back();
             const tinygltf::Node& node = model_.nodes[next.node];
-            const glm::mat4 world = next.parent * local_transform(node);
-            if (!finite(world)) {
-                findings_.fatal(
-                    "nodes[{}] '{}': its world transform is not finite", next.node, node.name);
-            }
+            const glm::mat4 world = next.parent * local_transform(node, next.node);
             place(node, next.node, world);
             for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
                 pending.push_back({*child, world});
@@ -704,11 +756,16 @@ private:
     }
 
     void place(const tinygltf::Node& node, int index, const glm::mat4& world) {
-        if (node.mesh >= 0 && !scene_.meshes[node.mesh].primitives.empty()) {
-            // A scale of zero hides a node: glTF 2.0, 3.5.3.
-            if (glm::determinant(glm::mat3(world)) != 0.0f)
-                scene_.instances.push_back({node.mesh, world});
+        const Bounds box =
+            node.mesh >= 0 ? mesh_bounds_[node.mesh] : Bounds{glm::vec3(0.0f), glm::vec3(0.0f)};
+        if (!box.empty() && !finite(world, box)) {
+            findings_.fatal(
+                "nodes[{}] '{}' is moved or scaled beyond the range of floats", index, node.name);
         }
+        // A scale of zero hides a node: glTF 2.0, 3.5.3.
+        const bool hidden = glm::determinant(glm::dmat3(world)) == 0.0;
+        if (node.mesh >= 0 && !box.empty() && !hidden)
+            scene_.instances.push_back({node.mesh, world});
         if (node.camera >= 0) add_camera(node, index, world);
         if (const auto* light = extension(node.extensions, "KHR_lights_punctual")) {
             add_light(light->Get("light").GetNumberAsInt(), node, index, world);
@@ -751,6 +808,10 @@ private:
 
     void add_light(int light_index, const tinygltf::Node& node, int index, const glm::mat4& world) {
         const tinygltf::Light& source = model_.lights[light_index];
+        if (source.type != "directional" && source.type != "point" && source.type != "spot") {
+            findings_.note("lights[{}] has an unknown type, it is left out", light_index);
+            return;
+        }
         Light light;
         light.name = source.name.empty() ? node.name : source.name;
         light.type = source.type == "directional" ? LightType::directional
@@ -797,6 +858,7 @@ private:
     const GltfFindings& findings_;
     AccessorReader reader_;
     Scene scene_;
+    std::vector<Bounds> mesh_bounds_;
     std::map<std::string, int> images_; ///< by URI, or by index for images inside the file
     int default_material_ = -1;
     std::size_t vertices_ = 0;

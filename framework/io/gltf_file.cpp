@@ -29,7 +29,15 @@ constexpr int kMaxJsonDepth = 128;
 constexpr std::uint64_t kMaxElements = 1u << 28;
 constexpr std::uint64_t kMaxZeroElements = 1u << 24;
 constexpr std::size_t kMaxFileBytes = std::numeric_limits<std::uint32_t>::max();
-constexpr double kMaxInteger = std::numeric_limits<std::int32_t>::max();
+constexpr std::uint64_t kMaxInteger = std::numeric_limits<std::int32_t>::max();
+
+/// One line of at most `length` bytes, for messages.
+std::string shortened(std::string text, std::size_t length = 64) {
+    for (char& c : text) {
+        if (static_cast<unsigned char>(c) < 32) c = ' ';
+    }
+    return text.size() <= length ? text : text.substr(0, length - 3) + "...";
+}
 
 // --- Container -----------------------------------------------------------------------------------
 
@@ -120,6 +128,11 @@ json parse_json(std::string_view text, const GltfFindings& findings) {
         findings.tolerate("the JSON begins with a byte order mark");
         text.remove_prefix(3);
     }
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    if (first == std::string_view::npos || text[first] != '{') {
+        findings.fatal(
+            "it is no glTF: it begins neither with 'glTF' (binary) nor with '{{' (JSON)");
+    }
     const auto refuse_depth = [&](int depth, json::parse_event_t, json&) {
         if (depth > kMaxJsonDepth) {
             findings.fatal("the JSON is nested deeper than {} levels", kMaxJsonDepth);
@@ -129,10 +142,10 @@ json parse_json(std::string_view text, const GltfFindings& findings) {
     try {
         return json::parse(text, refuse_depth);
     } catch (const json::exception& error) {
-        // The library's text repeats the bad input: keep its first line, bounded.
+        // The library's text begins with a code in brackets and ends with the bad input.
         std::string reason = error.what();
-        reason = reason.substr(0, std::min<std::size_t>(reason.find('\n'), 160));
-        findings.fatal("not valid JSON: {}", reason);
+        if (const std::size_t code = reason.find("] "); code < 64) reason.erase(0, code + 2);
+        findings.fatal("not valid JSON: {}", shortened(reason, 160));
     }
 }
 
@@ -199,8 +212,21 @@ bool has_scheme(std::string_view uri) {
     return end != std::string_view::npos && uri[end] == ':';
 }
 
-std::string shortened(const std::string& text) {
-    return text.size() <= 64 ? text : text.substr(0, 60) + "...";
+/// RFC 2397. Throws Error(input).
+std::vector<std::byte> decode_data_uri(const std::string& uri) {
+    const std::string_view text(uri);
+    const std::size_t comma = text.find(',');
+    if (comma == std::string_view::npos) fail_input("the data URI has no comma");
+    const std::string_view data = text.substr(comma + 1);
+    if (text.substr(0, comma).ends_with(";base64")) {
+        auto bytes = base64_decode(data);
+        if (!bytes) fail_input("the data URI has characters that are not base64");
+        return std::move(*bytes);
+    }
+    const auto plain = percent_decode(data);
+    if (!plain) fail_input("the data URI has a '%' without two hexadecimal digits");
+    const auto bytes = std::as_bytes(std::span(*plain));
+    return {bytes.begin(), bytes.end()};
 }
 
 // --- JSON ----------------------------------------------------------------------------------------
@@ -212,12 +238,11 @@ public:
     JsonChecker(json& root, const GltfFindings& findings) : root_(root), findings_(findings) {}
 
     void check_all() {
-        if (!root_.is_object()) refuse("the JSON", root_, "an object");
         check_asset();
         check_extensions();
         for (const char* key : {"buffers", "bufferViews", "accessors", "images", "samplers",
                  "textures", "materials", "meshes", "nodes", "scenes", "cameras"}) {
-            count(key);
+            if (root_.contains(key) && count(key) == 0) findings_.tolerate("{} is empty", key);
         }
         for_each("buffers", &JsonChecker::check_buffer);
         for_each("bufferViews", &JsonChecker::check_buffer_view);
@@ -234,6 +259,10 @@ public:
         check_hierarchy();
         index(root_, "", "scene", count("scenes"));
     }
+
+    /// After check_all: accessors of a type that glTF 2.0 does not know, replaced by a byte of
+    /// zero.
+    std::vector<bool> take_unknown_accessors() { return std::move(unknown_accessors_); }
 
 private:
     enum Presence { optional, required };
@@ -324,12 +353,14 @@ private:
         return reference(*value, join(path, key), size, what);
     }
 
-    /// Finite as a float.
-    double finite(const json& value, const std::string& path) const {
+    /// Finite as a float; kept as one, since tinygltf cuts integers in extensions to 32 bits.
+    double finite(json& value, const std::string& path) const {
         if (!value.is_number() || !std::isfinite(static_cast<float>(value.get<double>()))) {
             refuse(path, value, "a finite number");
         }
-        return value.get<double>();
+        const double result = value.get<double>();
+        value = result;
+        return result;
     }
 
     std::optional<double> number(json& parent, const std::string& path, const char* key,
@@ -378,7 +409,7 @@ private:
 
     json* extension(json& parent, const std::string& path, const char* name) const {
         json* extensions = object(parent, path, "extensions");
-        return extensions ? object(*extensions, path + ".extensions", name) : nullptr;
+        return extensions ? object(*extensions, join(path, "extensions"), name) : nullptr;
     }
 
     /// Objects in a top-level array; 0 if it is absent.
@@ -386,12 +417,11 @@ private:
         const auto found = root_.find(key);
         if (found == root_.end()) return 0;
         if (!found->is_array()) refuse(key, *found, "an array");
-        if (found->empty()) findings_.tolerate("{} is an empty array", key);
         return found->size();
     }
 
-    using Check = void (JsonChecker::*)(json&, const std::string&) const;
-    void for_each(const char* key, Check check) const {
+    template <class Check>
+    void for_each(const char* key, Check check) {
         const auto found = root_.find(key);
         if (found == root_.end()) return;
         for (std::size_t i = 0; i < found->size(); ++i) {
@@ -406,17 +436,24 @@ private:
 
     void check_asset() const {
         json* asset = object(root_, "", "asset", required);
-        const std::string version = *string(*asset, "asset", "version", required);
-        if (!version.starts_with("2.") || version.size() < 3 ||
-            version.find_first_not_of("0123456789", 2) != std::string::npos) {
-            findings_.fatal("asset.version is '{}', expected 2.0", shortened(version));
+        const int minor = minor_version(*string(*asset, "asset", "version", required), "version");
+        if (minor != 0) findings_.note("asset.version is 2.{}, read as 2.0", minor);
+        if (const std::string* minimum = string(*asset, "asset", "minVersion")) {
+            const int needed = minor_version(*minimum, "minVersion");
+            if (needed > minor) {
+                findings_.tolerate(
+                    "asset.minVersion is 2.{}, above asset.version 2.{}", needed, minor);
+            }
+            if (needed > 0) findings_.note("asset.minVersion is 2.{}, read as 2.0", needed);
         }
-        if (version != "2.0") findings_.note("asset.version is {}, read as 2.0", version);
-        const std::string* minimum = string(*asset, "asset", "minVersion");
-        if (minimum && *minimum != "2.0") {
-            findings_.fatal(
-                "asset.minVersion is '{}', this program reads glTF 2.0", shortened(*minimum));
-        }
+    }
+
+    /// N of "2.N".
+    int minor_version(const std::string& version, const char* key) const {
+        const bool is_2 = version.starts_with("2.") && version.size() > 2 && version.size() < 8 &&
+                          version.find_first_not_of("0123456789", 2) == std::string::npos;
+        if (!is_2) findings_.fatal("asset.{} is '{}', expected 2.0", key, shortened(version));
+        return std::stoi(version.substr(2));
     }
 
     void check_extensions() const {
@@ -477,35 +514,42 @@ private:
         }
     }
 
+    /// Bytes of a component, of an element, and from one tightly packed element to the next.
     struct Layout {
         std::uint64_t component_bytes = 0;
         std::uint64_t element_bytes = 0;
+        std::uint64_t step_bytes = 0;
     };
 
-    std::uint64_t component_bytes(
+    /// Bytes of the component type, or nothing if glTF 2.0 does not know it or not there.
+    std::optional<std::uint64_t> component_bytes(
         json& parent, const std::string& path, std::initializer_list<std::uint64_t> allowed) const {
-        const std::uint64_t type = *integer(parent, path, "componentType", 0, 65535, required);
-        if (std::find(allowed.begin(), allowed.end(), type) == allowed.end()) {
-            refuse(path + ".componentType", parent["componentType"],
-                fmt::format("one of {}", fmt::join(allowed, ", ")));
-        }
+        const std::uint64_t type =
+            *integer(parent, path, "componentType", 0, kMaxInteger, required);
+        if (std::find(allowed.begin(), allowed.end(), type) == allowed.end()) return std::nullopt;
         return type <= 5121 ? 1 : type <= 5123 ? 2 : 4;
     }
 
-    Layout layout(json& accessor, const std::string& path) const {
-        const std::uint64_t bytes =
+    std::optional<Layout> layout(json& accessor, const std::string& path) const {
+        const auto component =
             component_bytes(accessor, path, {5120, 5121, 5122, 5123, 5125, 5126});
-        const std::string type = *string(accessor, path, "type", required);
+        const std::string& type = *string(accessor, path, "type", required);
+        if (!component) return std::nullopt;
+        const std::uint64_t bytes = *component;
+        const auto vector = [&](std::uint64_t n) { return Layout{bytes, n * bytes, n * bytes}; };
         // Columns of matrices begin at multiples of four bytes.
-        const auto matrix = [&](std::uint64_t n) { return n * ((n * bytes + 3) / 4 * 4); };
-        if (type == "SCALAR") return {bytes, bytes};
-        if (type == "VEC2") return {bytes, 2 * bytes};
-        if (type == "VEC3") return {bytes, 3 * bytes};
-        if (type == "VEC4") return {bytes, 4 * bytes};
-        if (type == "MAT2") return {bytes, matrix(2)};
-        if (type == "MAT3") return {bytes, matrix(3)};
-        if (type == "MAT4") return {bytes, matrix(4)};
-        refuse(path + ".type", accessor["type"], "SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4");
+        const auto matrix = [&](std::uint64_t n) {
+            const std::uint64_t column = (n * bytes + 3) / 4 * 4;
+            return Layout{bytes, (n - 1) * column + n * bytes, n * column};
+        };
+        if (type == "SCALAR") return vector(1);
+        if (type == "VEC2") return vector(2);
+        if (type == "VEC3") return vector(3);
+        if (type == "VEC4") return vector(4);
+        if (type == "MAT2") return matrix(2);
+        if (type == "MAT3") return matrix(3);
+        if (type == "MAT4") return matrix(4);
+        return std::nullopt;
     }
 
     /// `elements` of `layout` must lie within the view named by `parent`.
@@ -528,24 +572,34 @@ private:
         }
     }
 
-    void check_accessor(json& accessor, const std::string& path) const {
-        const Layout element = layout(accessor, path);
+    void check_accessor(json& accessor, const std::string& path) {
+        const std::optional<Layout> known = layout(accessor, path);
+        unknown_accessors_.push_back(!known);
+        if (!known) {
+            findings_.note("{} has type {} and component type {}, which glTF 2.0 does not know",
+                path, shortened(accessor["type"].get<std::string>()),
+                accessor["componentType"].dump());
+            accessor = {{"type", "SCALAR"}, {"componentType", 5121}, {"count", 1}};
+            return;
+        }
+        const Layout& element = *known;
         boolean(accessor, path, "normalized");
         const std::uint64_t elements = *integer(accessor, path, "count", 1, kMaxElements, required);
         const std::size_t views = count("bufferViews");
         const auto view = index(accessor, path, "bufferView", views, optional, "bufferViews");
         if (view) {
             const std::uint64_t stride =
-                root_["bufferViews"][*view].value("byteStride", element.element_bytes);
-            if (stride < element.element_bytes) {
+                root_["bufferViews"][*view].value("byteStride", element.step_bytes);
+            if (stride < element.step_bytes) {
                 findings_.fatal("{} has elements of {} bytes, but bufferViews[{}].byteStride is {}",
-                    path, element.element_bytes, *view, stride);
+                    path, element.step_bytes, *view, stride);
             }
             check_range(accessor, path, elements, element, stride);
         } else if (elements > kMaxZeroElements) {
             findings_.fatal("{} has {} elements and no data; at most {} are accepted", path,
                 elements, kMaxZeroElements);
         }
+
         json* sparse = object(accessor, path, "sparse");
         if (!sparse) return;
         const std::string place = path + ".sparse";
@@ -556,12 +610,15 @@ private:
         }
         json& indices = *object(*sparse, place, "indices", required);
         json& values = *object(*sparse, place, "values", required);
-        const std::uint64_t bytes =
-            component_bytes(indices, place + ".indices", {5121, 5123, 5125});
+        const auto bytes = component_bytes(indices, place + ".indices", {5121, 5123, 5125});
+        if (!bytes) {
+            refuse(
+                place + ".indices.componentType", indices["componentType"], "5121, 5123 or 5125");
+        }
         index(indices, place + ".indices", "bufferView", views, required, "bufferViews");
         index(values, place + ".values", "bufferView", views, required, "bufferViews");
-        check_range(indices, place + ".indices", replaced, {bytes, bytes}, bytes);
-        check_range(values, place + ".values", replaced, element, element.element_bytes);
+        check_range(indices, place + ".indices", replaced, {*bytes, *bytes, *bytes}, *bytes);
+        check_range(values, place + ".values", replaced, element, element.step_bytes);
     }
 
     void check_image(json& image, const std::string& path) const {
@@ -592,7 +649,7 @@ private:
         if (!use) return;
         const std::string place = join(path, key);
         index(*use, place, "index", count("textures"), required, "textures");
-        integer(*use, place, "texCoord", 0, static_cast<std::uint64_t>(kMaxInteger));
+        integer(*use, place, "texCoord", 0, kMaxInteger);
         number(*use, place, "scale");
         clamped(*use, place, "strength", 0.0, 1.0);
         if (json* transform = extension(*use, place, "KHR_texture_transform")) {
@@ -600,7 +657,7 @@ private:
             numbers(*transform, name, "offset", 2);
             numbers(*transform, name, "scale", 2);
             number(*transform, name, "rotation");
-            integer(*transform, name, "texCoord", 0, static_cast<std::uint64_t>(kMaxInteger));
+            integer(*transform, name, "texCoord", 0, kMaxInteger);
         }
     }
 
@@ -625,7 +682,9 @@ private:
                 "emissiveStrength", 0.0);
         }
         if (json* ior = extension(material, path, "KHR_materials_ior")) {
-            number(*ior, path + ".extensions.KHR_materials_ior", "ior");
+            const std::string place = path + ".extensions.KHR_materials_ior";
+            // 0 stands for a reflectance of 1.
+            if (number(*ior, place, "ior") != 0.0) clamped(*ior, place, "ior", 1.0);
         }
         extension(material, path, "KHR_materials_unlit");
     }
@@ -643,7 +702,7 @@ private:
             }
             index(primitive, place, "indices", count("accessors"), optional, "accessors");
             index(primitive, place, "material", count("materials"), optional, "materials");
-            integer(primitive, place, "mode", 0, 6);
+            integer(primitive, place, "mode", 0, kMaxInteger);
         }
     }
 
@@ -659,7 +718,8 @@ private:
                 number(orthographic, path + ".orthographic", key, required);
             }
         } else {
-            refuse(path + ".type", camera["type"], "perspective or orthographic");
+            findings_.note("{}.type is {}, it is left out", path, shortened(type));
+            camera = {{"type", "perspective"}, {"perspective", {{"yfov", 0}, {"znear", 1}}}};
         }
     }
 
@@ -677,9 +737,6 @@ private:
             if (!light.is_object()) refuse(path, light, "an object");
             string(light, path, "name");
             const std::string type = *string(light, path, "type", required);
-            if (type != "directional" && type != "point" && type != "spot") {
-                refuse(path + ".type", light["type"], "directional, point or spot");
-            }
             clamped_numbers(light, path, "color", 3, 0.0, 1.0);
             clamped(light, path, "intensity", 0.0);
             number(light, path, "range");
@@ -772,6 +829,7 @@ private:
 
     json& root_;
     const GltfFindings& findings_;
+    std::vector<bool> unknown_accessors_;
 };
 
 // --- Buffers and images --------------------------------------------------------------------------
@@ -782,13 +840,18 @@ std::vector<std::byte> load_buffer(const json& buffer, std::size_t number,
     const auto declared = buffer["byteLength"].get<std::size_t>();
     const std::string what = fmt::format("buffers[{}]", number);
     std::vector<std::byte> bytes;
-    if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
-        try {
-            bytes = read_gltf_uri(
-                uri->get_ref<const std::string&>(), folder, options.allow_external, what);
-        } catch (const Error& error) {
-            findings.fatal("{}", error.what());
+    if (const auto found = buffer.find("uri"); found != buffer.end()) {
+        const auto& uri = found->get_ref<const std::string&>();
+        if (is_remote_gltf_uri(uri)) {
+            findings.note("{} is left out: uri '{}' is not a relative path", what, shortened(uri));
+            return {};
         }
+        try {
+            bytes = read_gltf_uri(uri, folder, options.allow_external);
+        } catch (const Error& error) {
+            findings.fatal("{}: {}", what, error.what());
+        }
+
     } else if (number == 0 && container.has_binary_chunk) {
         bytes.assign(container.binary.begin(), container.binary.end());
     } else {
@@ -806,27 +869,23 @@ std::vector<std::byte> load_buffer(const json& buffer, std::size_t number,
 
 } // namespace
 
+bool is_remote_gltf_uri(const std::string& uri) {
+    return !uri.starts_with("data:") && has_scheme(uri) && !uri.starts_with(":");
+}
+
 std::vector<std::byte> read_gltf_uri(
-    const std::string& uri, const fs::path& folder, bool allow_external, const std::string& what) {
-    if (uri.starts_with("data:")) {
-        const std::size_t comma = uri.find(',');
-        if (comma == std::string::npos ||
-            !std::string_view(uri).substr(0, comma).ends_with(";base64")) {
-            fail_input("{}.uri '{}' is not a base64 data URI", what, shortened(uri));
-        }
-        auto bytes = base64_decode(std::string_view(uri).substr(comma + 1));
-        if (!bytes) fail_input("{}.uri has characters that are not base64", what);
-        return std::move(*bytes);
-    }
+    const std::string& uri, const fs::path& folder, bool allow_external) {
+    if (uri.starts_with("data:")) return decode_data_uri(uri);
+    if (has_scheme(uri)) fail_input("uri '{}' is not a relative path", shortened(uri));
     const std::optional<std::string> name = percent_decode(uri);
-    if (has_scheme(uri) || !name || name->empty() || name->find('\0') != std::string::npos) {
-        fail_input("{}.uri '{}' is not a relative path", what, shortened(uri));
+    if (!name || name->empty() || name->find('\0') != std::string::npos) {
+        fail_input("uri '{}' is not a path", shortened(uri));
     }
     const fs::path relative(*name);
     const bool leaves = relative.is_absolute() || name->find('\\') != std::string::npos ||
                         std::find(relative.begin(), relative.end(), "..") != relative.end();
     if (leaves && !allow_external) {
-        fail_input("{}.uri '{}' leaves the folder of the file; --allow-external permits that", what,
+        fail_input("uri '{}' leaves the folder of the file; --allow-external permits that",
             shortened(uri));
     }
     return read_file(folder / relative, kMaxFileBytes);
@@ -837,9 +896,11 @@ GltfFile read_gltf_file(
     const std::vector<std::byte> bytes = read_file(path, kMaxFileBytes);
     const Container container = open_container(bytes, findings);
     json root = parse_json(container.json, findings);
-    JsonChecker(root, findings).check_all();
+    JsonChecker checker(root, findings);
+    checker.check_all();
 
     GltfFile file;
+    file.unknown_accessors = checker.take_unknown_accessors();
     const auto take = [&](const char* key) {
         json list = root.contains(key) ? std::move(root[key]) : json::array();
         root.erase(key);

@@ -55,6 +55,8 @@ struct GltfFile {
     /// without a buffer view refers to the one past the file's own: see `zeros_view`.
     std::string json;
     int zeros_view = 0;
+    /// One per accessor; true: it has a type that glTF 2.0 does not know and must not be read.
+    std::vector<bool> unknown_accessors;
     /// Cut to their declared length; empty if the file gives no data for it.
     std::vector<std::vector<std::byte>> buffers;
     std::vector<GltfImageSource> images;
@@ -64,9 +66,12 @@ struct GltfFile {
 GltfFile read_gltf_file(
     const std::filesystem::path& path, const GltfOptions& options, const GltfFindings& findings);
 
-/// The bytes behind a URI: a data URI, or a file in `folder`. Refuses every other scheme, and
-/// paths that leave the folder unless `allow_external`. `what` names the object in messages.
-std::vector<std::byte> read_gltf_uri(const std::string& uri, const std::filesystem::path& folder,
-    bool allow_external, const std::string& what);
+/// The bytes behind a URI: a data URI, or a file in `folder`. Throws Error(input) for every other
+/// scheme, and for paths that leave the folder unless `allow_external`.
+std::vector<std::byte> read_gltf_uri(
+    const std::string& uri, const std::filesystem::path& folder, bool allow_external);
+
+/// True for "http://..." and the like, which are valid but never fetched.
+bool is_remote_gltf_uri(const std::string& uri);
 
 } // namespace ockham

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -183,6 +184,22 @@ std::size_t drop_degenerate_triangles(Primitive& primitive) {
     }
     primitive.indices.resize(kept);
     return before - kept / 3;
+}
+
+std::size_t drop_unused_vertices(Primitive& primitive) {
+    constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+    const std::size_t before = primitive.positions.size();
+    std::vector<std::uint32_t> renamed(before, kUnused), sources;
+    for (const std::uint32_t index : primitive.indices) renamed[index] = 0;
+    for (std::size_t i = 0; i < before; ++i) {
+        if (renamed[i] == kUnused) continue;
+        renamed[i] = static_cast<std::uint32_t>(sources.size());
+        sources.push_back(static_cast<std::uint32_t>(i));
+    }
+    if (sources.size() == before) return 0;
+    for (std::uint32_t& index : primitive.indices) index = renamed[index];
+    gather_vertices(primitive, sources);
+    return before - sources.size();
 }
 
 } // namespace ockham

@@ -62,4 +62,8 @@ void generate_tangents(Primitive& primitive, int uv_set);
 /// Drops triangles with an index beyond the vertices' end or two equal indices; returns how many.
 std::size_t drop_degenerate_triangles(Primitive& primitive);
 
+/// Drops vertices that no triangle uses, keeping the order of the others; returns how many. All
+/// indices must be within the vertices.
+std::size_t drop_unused_vertices(Primitive& primitive);
+
 } // namespace ockham
