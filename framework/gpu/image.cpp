@@ -165,6 +165,40 @@ std::string name_of(VkFormat format) {
     return row ? row->name : fmt::format("VkFormat {}", static_cast<int>(format));
 }
 
+VkClearValue clear_value(VkFormat format, const std::array<float, 4>& value) {
+    VkClearValue result{};
+    if (is_depth(format)) {
+        result.depthStencil.depth = value[0];
+        return result;
+    }
+    const FormatInfo* info = find_format(format);
+    const bool integer =
+        info && (info->type == ChannelType::uint8 || info->type == ChannelType::uint16 ||
+                    info->type == ChannelType::uint32);
+    for (std::size_t i = 0; i < 4; ++i) {
+        if (integer) {
+            result.color.uint32[i] = static_cast<std::uint32_t>(value[i]);
+        } else {
+            result.color.float32[i] = value[i];
+        }
+    }
+    return result;
+}
+
+void clear(VkCommandBuffer commands, const Image& image, const std::array<float, 4>& value) {
+    const VkImageSubresourceRange range{.aspectMask = image.aspect(),
+        .levelCount = image.info().mips,
+        .layerCount = image.info().layers};
+    const VkClearValue converted = clear_value(image.info().format, value);
+    constexpr VkImageLayout layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+    if (image.aspect() & VK_IMAGE_ASPECT_DEPTH_BIT) {
+        vkCmdClearDepthStencilImage(
+            commands, image.handle(), layout, &converted.depthStencil, 1, &range);
+    } else {
+        vkCmdClearColorImage(commands, image.handle(), layout, &converted.color, 1, &range);
+    }
+}
+
 namespace {
 
 template <class T, class Convert>

@@ -5,6 +5,7 @@
 
 #include "framework/gpu/memory.hpp"
 
+#include <array>
 #include <map>
 #include <span>
 #include <string>
@@ -73,6 +74,11 @@ struct FormatInfo {
 const FormatInfo* find_format(VkFormat format);
 /// "RGBA8_UNORM", or the number where there is no name.
 std::string name_of(VkFormat format);
+
+/// Four channels, converted to the format's kind of number, or depth from the first.
+VkClearValue clear_value(VkFormat format, const std::array<float, 4>& value);
+/// Clears all mips and layers; the image is in TRANSFER_DST_OPTIMAL.
+void clear(VkCommandBuffer commands, const Image& image, const std::array<float, 4>& value);
 
 /// Texels of one mip of one layer as floats, channels interleaved: unorm in [0,1], integers by
 /// value (32-bit ones rounded to float), halves exactly, sRGB left encoded.

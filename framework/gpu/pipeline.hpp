@@ -54,8 +54,8 @@ struct Attachment {
 /// Triangles without vertex layout; viewport, scissor, cull mode and front face are dynamic.
 struct RasterState {
     std::string vertex_shader;
-    std::string fragment_shader; ///< empty: depth only
-    Specialization specialization;
+    std::string fragment_shader = {}; ///< empty: depth only
+    Specialization specialization = {};
     bool depth_test = true; ///< passes where greater: reversed depth
     bool depth_write = true;
 

@@ -23,15 +23,16 @@ using Specialization = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 /// How to run one compute shader.
 struct ComputeCall {
     std::string_view shader; ///< name as in the tree: "surface/metrics.comp"
-    Specialization specialization;
-    std::span<const std::byte> push; ///< push constants, at most 128 bytes; size as in the shader
+    Specialization specialization = {};
+    std::span<const std::byte> push =
+        {}; ///< push constants, at most 128 bytes; size as in the shader
 };
 
 /// Fixed-function state of one draw pipeline. Depth is reversed: greater is nearer.
 struct RasterCall {
     std::string_view vertex_shader;
-    std::string_view fragment_shader; ///< empty: depth only
-    Specialization specialization;    ///< applied to both stages
+    std::string_view fragment_shader = {}; ///< empty: depth only
+    Specialization specialization = {};    ///< applied to both stages
     bool depth_test = true;
     bool depth_write = true;
 };
@@ -58,8 +59,9 @@ public:
     void dispatch_indirect(
         const ComputeCall& call, BufferHandle arguments, std::uint64_t offset_bytes);
 
-    /// Raster passes: bind state, then draw. Viewport and scissor cover the attachments. Vertices
-    /// are pulled from storage buffers by gl_VertexIndex, so there is no vertex layout.
+    /// Raster passes: bind state, then draw; push after bind where the shaders have push constants.
+    /// Viewport and scissor cover the attachments. Vertices are pulled from storage buffers by
+    /// gl_VertexIndex, so there is no vertex layout.
     void bind(const RasterCall& call);
     enum class Cull { none, back };
     void set_cull(Cull mode, bool front_is_clockwise = false);
