@@ -147,7 +147,11 @@ Scene wires() {
     return scene;
 }
 
-/// 2.4 m of picket fence along x, its face to +z: pointed boards, two rails, one post.
+constexpr double kPicketPanel = 2.4; // metres from post to post
+constexpr double kLinkPanel = 2.56;
+constexpr double kLinkHeight = 1.52;
+
+/// One panel of picket fence along x, its face to +z: pointed boards and a post.
 void add_pickets(Shape& shape) {
     constexpr int kPickets = 16;
     constexpr double kPitch = 0.15;
@@ -159,26 +163,23 @@ void add_pickets(Shape& shape) {
                 {x + 0.5 * kWidth, 0.92}, {x, 1.0}, {x - 0.5 * kWidth, 0.92}}},
             -0.01, 0.01);
     }
-    for (const double y : {0.25, 0.72}) add_box(shape, {0, y, -0.05}, {2.4, y + 0.08, -0.005});
     add_box(shape, {-0.05, -0.1, -0.11}, {0.05, 0.95, -0.015});
 }
 
-/// 2.56 m of chain-link along x: two sets of 3 mm wires at 45 degrees, post and top rail.
+/// One panel of chain-link along x: two sets of 3 mm wires at 45 degrees, and a post.
 void add_chain_link(Shape& shape) {
-    constexpr double kLength = 2.56;
-    constexpr double kHeight = 1.52;
     constexpr double kPitch = 0.08;
-    for (double start = -kHeight + 0.5 * kPitch; start < kLength; start += kPitch) {
-        // A wire climbs one metre per metre from (start, 0) and is clipped to the panel.
+    for (double start = -kLinkHeight + 0.5 * kPitch; start < kLinkPanel; start += kPitch) {
+        // A wire climbs one metre per metre from (start, 0) and is clipped to the panel; the
+        // half millimetre keeps it off its continuation, behind the next post.
         const double low = std::max(0.0, -start);
-        const double high = std::min(kHeight, kLength - start);
-        const glm::dvec3 a(start + low, 0.04 + low, 0.0012);
-        const glm::dvec3 b(start + high, 0.04 + high, 0.0012);
+        const double high = std::min(kLinkHeight, kLinkPanel - start) - 0.0005;
+        const glm::dvec3 a(start + low, 0.04 + low, 0.0016);
+        const glm::dvec3 b(start + high, 0.04 + high, 0.0016);
         add_rod(shape, a, b, 0.0015, 6);
-        add_rod(shape, {kLength - a.x, a.y, -a.z}, {kLength - b.x, b.y, -b.z}, 0.0015, 6);
+        add_rod(shape, {kLinkPanel - a.x, a.y, -a.z}, {kLinkPanel - b.x, b.y, -b.z}, 0.0015, 6);
     }
-    add_rod(shape, {0, 0.04 + kHeight, 0}, {kLength, 0.04 + kHeight, 0}, 0.021, 12);
-    add_rod(shape, {0, -0.1, 0}, {0, 0.1 + kHeight, 0}, 0.03, 16);
+    add_rod(shape, {0, -0.1, 0}, {0, 0.1 + kLinkHeight, 0}, 0.03, 16);
 }
 
 /// A picket fence on the left and a chain-link fence on the right run to the horizon.
@@ -190,16 +191,25 @@ Scene fence() {
     Shape ground(grass);
     add_quad(ground, {-1000, 0, 1000}, {1000, 0, 1000}, {1000, 0, -1000}, {-1000, 0, -1000});
     add_instance(scene, add_mesh(scene, "ground", ground));
+    constexpr int kPanels = 80;
     Shape pickets(paint);
     add_pickets(pickets);
     const int picket_panel = add_mesh(scene, "pickets", pickets);
-    for (int i = 0; i < 84; ++i)
-        add_instance(scene, picket_panel, placement({-1.6, 0, -2.4 * i}, 0.25));
     Shape links(steel);
     add_chain_link(links);
     const int link_panel = add_mesh(scene, "chain_link", links);
-    for (int i = 0; i < 78; ++i)
-        add_instance(scene, link_panel, placement({1.6, 0, -2.56 * i}, 0.25));
+    for (int i = 0; i < kPanels; ++i) { // along -z
+        add_instance(scene, picket_panel, placement({-1.6, 0, -kPicketPanel * i}, 0.25));
+        add_instance(scene, link_panel, placement({1.6, 0, -kLinkPanel * i}, 0.25));
+    }
+    Shape boards(paint);
+    for (const double y : {0.25, 0.72})
+        add_box(boards, {0, y, -0.05}, {kPanels * kPicketPanel, y + 0.08, -0.005});
+    add_instance(scene, add_mesh(scene, "picket_rails", boards), placement({-1.6, 0, 0}, 0.25));
+    Shape rail(steel);
+    const double top = 0.04 + kLinkHeight;
+    add_rod(rail, {0, top, 0}, {kPanels * kLinkPanel, top, 0}, 0.021, 12);
+    add_instance(scene, add_mesh(scene, "chain_link_rail", rail), placement({1.6, 0, 0}, 0.25));
     add_sun(scene, {0.6f, 1.0f, 0.5f}, {5.0f, 4.7f, 4.2f});
     add_camera(scene, "between", {0, 1.3f, 0.5f}, {0, 1.0f, -10}, 60.0f);
     scene.background = {0.35f, 0.55f, 0.9f};

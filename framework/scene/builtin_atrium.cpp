@@ -206,7 +206,7 @@ Mesh column_mesh(const Materials& m, std::string name, double height, double rad
         {0.88 * r, h - 0.37}, {0.93 * r, h - 0.31}, {1.05 * r, h - 0.25}, {1.22 * r, h - 0.205},
         {1.30 * r, h - 0.19}, {1.33 * r, h - 0.165}, {1.28 * r, h - 0.14}};
     add_lathe(stone, glm::dvec3(0), turned, 20);
-    const double a = std::max(1.42 * r, kWall + 0.05);
+    const double a = kWall + 0.10;
     add_prism(stone,
         std::array<glm::dvec2, 4>{
             {{-a + 0.03, h - 0.15}, {a - 0.03, h - 0.15}, {a, h - 0.11}, {-a, h - 0.11}}},
@@ -219,8 +219,8 @@ Mesh column_mesh(const Materials& m, std::string name, double height, double rad
 Mesh pilaster_mesh(const Materials& m, std::string name, double height) {
     Shape stone(m.limestone);
     add_box(stone, {-0.28, -0.03, -0.05}, {0.28, 0.24, 0.24});
-    add_box(stone, {-0.22, 0.20, -0.05}, {0.22, height - 0.1, 0.17});
-    add_box(stone, {-0.25, height - 0.2, -0.05}, {0.25, height - 0.13, 0.205});
+    add_box(stone, {-0.22, 0.20, -0.06}, {0.22, height - 0.1, 0.17});
+    add_box(stone, {-0.25, height - 0.2, -0.07}, {0.25, height - 0.13, 0.205});
     add_box(stone, {-0.29, height - 0.14, -0.05}, {0.29, height + 0.01, 0.25});
     return {std::move(name), {stone.take()}};
 }
@@ -244,14 +244,15 @@ Mesh vault_mesh(const Materials& m) {
     }
     Shape stone(m.limestone);
     Profile rib;
-    rib.points = {{0.03, 0.06}, {-0.05, 0.06}, {-0.09, 0.025}, {-0.09, -0.025}, {-0.05, -0.06},
-        {0.03, -0.06}};
+    rib.points = {{0.06, 0.06}, {-0.05, 0.06}, {-0.09, 0.025}, {-0.09, -0.025}, {-0.05, -0.06},
+        {0.06, -0.06}};
     const double root = std::sqrt(2.0);
+    // The ribs' ends are buried in the arches and walls at the bay's corners.
     for (const double side : {1.0, -1.0}) {
         const glm::dvec3 diagonal = glm::dvec3(1, 0, side) / root;
         std::vector<Frame> path;
         for (int i = 0; i <= kSteps; ++i) {
-            const glm::dvec2 a = unit_at(0.5 - 0.5 * i / kSteps);
+            const glm::dvec2 a = unit_at(0.48 - 0.46 * i / kSteps);
             const glm::dvec3 outward =
                 glm::normalize(diagonal * a.x + glm::dvec3(0, root * a.y, 0));
             path.push_back({kVaultRadius * (diagonal * (root * a.x) + glm::dvec3(0, a.y, 0)),
@@ -296,14 +297,14 @@ Mesh outer_wall_mesh(const Materials& m, std::string name, int material, double 
     if (door) {
         for (const double side : {-1.0, 1.0}) {
             const double x = side * 0.66;
-            add_box(stone, {x - 0.1, -0.03, -0.05}, {x + 0.1, 2.22, 0.20});
+            add_box(stone, {x - 0.1, -0.04, -0.06}, {x + 0.1, 2.22, 0.20});
         }
         add_box(stone, {-0.86, 2.2, -0.05}, {0.86, 2.42, 0.22});
-        add_box(stone, {-0.94, 2.41, -0.05}, {0.94, 2.49, 0.28});
+        add_box(stone, {-0.94, 2.41, -0.07}, {0.94, 2.49, 0.28});
         Shape wood(m.wood);
-        add_box(wood, {-0.58, -0.03, -0.05}, {0.58, 2.21, 0.13});
+        add_box(wood, {-0.58, -0.03, -0.03}, {0.58, 2.21, 0.13});
         for (const double y : {0.15, 0.95, 1.9})
-            add_box(wood, {-0.57, y, 0.0}, {0.57, y + 0.14, 0.16});
+            add_box(wood, {-0.57, y, 0.06}, {0.57, y + 0.14, 0.16});
         mesh.primitives.push_back(wood.take());
         Shape iron(m.iron);
         add_rod(iron, {0.42, 1.16, 0.12}, {0.42, 1.16, 0.22}, 0.02, 8);
@@ -325,18 +326,18 @@ Mesh balustrade_mesh(const Materials& m) {
         {0.08, 0.44}, {0.05, 0.56}, {0.036, 0.68}, {0.052, 0.71}, {0.04, 0.74}, {0.065, 0.78},
         {0.065, 0.85}};
     for (int i = 0; i < kBalusters; ++i) add_lathe(stone, {(i - 4) * 0.26, 0, 0}, turned, 8);
-    add_box(stone, {-1.4, -0.03, -0.12}, {1.4, 0.14, 0.12});
-    add_box(stone, {-1.4, 0.84, -0.11}, {1.4, 0.90, 0.11});
-    add_box(stone, {-1.4, 0.89, -0.15}, {1.4, 1.0, 0.15});
+    add_box(stone, {-1.34, -0.04, -0.12}, {1.34, 0.14, 0.12});
+    add_box(stone, {-1.33, 0.84, -0.11}, {1.33, 0.90, 0.11});
+    add_box(stone, {-1.34, 0.89, -0.15}, {1.34, 1.0, 0.15});
     return {"balustrade", {stone.take()}};
 }
 
 /// Small blocks under the cornice, one bay.
 Mesh dentil_mesh(const Materials& m) {
     Shape stone(m.limestone);
-    for (int i = 0; i < 15; ++i) {
-        const double x = (i - 7) * 0.2;
-        add_box(stone, {x - 0.05, 9.14, 0.2}, {x + 0.05, 9.225, kWall + 0.13});
+    for (int i = 0; i < 10; ++i) { // 0.3 m apart: none stands half in a corner of the court
+        const double x = (i - 4.5) * 0.3;
+        add_box(stone, {x - 0.065, 9.13, 0.22}, {x + 0.065, 9.225, kWall + 0.13});
     }
     return {"dentils", {stone.take()}};
 }
@@ -640,7 +641,8 @@ Mesh shell_mesh(const Materials& m) {
     for (const double side : {1.0, -1.0}) {
         add_box(coping, {-out_x - 0.1, 10.9, side * out_z - 0.18},
             {out_x + 0.1, 11.14, side * out_z + 0.18});
-        add_box(coping, {side * out_x - 0.17, 10.91, -out_z}, {side * out_x + 0.17, 11.13, out_z});
+        add_box(coping, {side * out_x - 0.17, 10.91, 0.1 - out_z},
+            {side * out_x + 0.17, 11.13, out_z - 0.1});
     }
     Shape earth(m.earth);
     add_quad(earth, {-60, -0.25, 50}, {60, -0.25, 50}, {60, -0.25, -50}, {-60, -0.25, -50});
@@ -682,6 +684,15 @@ void add_architecture(Scene& scene, const Materials& m) {
         for (const Place& place : outer_places(0.5))
             place_all(scene, number++ % 4 < 2 ? walls[s] : doors[s], {place}, storey.floor);
     }
+    // The walls are hollow and end at the corner columns' axes: a core closes them.
+    Shape core(m.limestone);
+    constexpr double kCore = kWall - 0.005;
+    add_box(core, {-kCore, 0, -kCore}, {kCore, kArchRise, kCore});
+    const int corner = add_mesh(scene, "corner_core", core);
+    for (const Storey& storey : kStoreys)
+        for (const double x : {-kCourtX, kCourtX})
+            for (const double z : {-kCourtZ, kCourtZ})
+                add_instance(scene, corner, placement({x, storey.springing, z}));
     place_all(scene, add(scene, balustrade_mesh(m)), court_bays(), kStoreys[1].floor);
     place_all(scene, add(scene, dentil_mesh(m)), court_bays(), 0.0);
 }
@@ -770,7 +781,7 @@ Scene builtin_atrium() {
     add_camera(scene, "foliage", {-8.3f, 5.2f, 0.3f}, {-5.3f, 5.45f, 2.2f}, 55.0f);
     add_camera(scene, "up", {-5.0f, 1.7f, -1.2f}, {2.5f, 8.2f, 1.0f}, 75.0f);
     scene.background = {0.35f, 0.55f, 0.9f};
-    scene.ambient = {0.10f, 0.115f, 0.14f};
+    scene.ambient = {0.13f, 0.14f, 0.16f};
     return scene;
 }
 

@@ -150,7 +150,7 @@ SurfaceImages ashlar_images() {
         const double tint = hash01(cell.id_x, cell.id_y, 13);
         height.at(x, y) = 0.010 * face + 0.0016 * grain.at(x, y) + 0.003 * stain.at(x, y);
         const glm::dvec3 stone =
-            glm::mix(glm::dvec3(0.80, 0.72, 0.60), glm::dvec3(0.72, 0.66, 0.56), tint);
+            glm::mix(glm::dvec3(0.86, 0.78, 0.65), glm::dvec3(0.78, 0.71, 0.60), tint);
         return tone(
             stone, (0.74 + 0.26 * face) * (0.97 + 0.07 * stain.at(x, y) + 0.08 * grain.at(x, y) +
                                               0.08 * (hash01(cell.id_x, cell.id_y, 14) - 0.5)));
