@@ -3,6 +3,7 @@
 // its arguments: no device, no globals, callable from several threads; equal input, equal plan.
 #pragma once
 
+#include "framework/graph/format.hpp"
 #include "framework/graph/plan.hpp"
 
 namespace ockham {
@@ -29,7 +30,5 @@ Plan compile(const Declaration& declaration, const Capabilities& capabilities = 
 /// Memory that the description implies on a device without padding: texel size x extent (all mips
 /// and layers), alignment 256.
 MemoryNeed estimate_memory(const ResourceDecl& resource);
-/// Bytes per texel of the formats that the project uses; 0 for others.
-std::uint32_t texel_bytes(VkFormat format);
 
 } // namespace ockham

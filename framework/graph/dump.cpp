@@ -93,8 +93,12 @@ std::string layout_text(VkImageLayout layout) {
     }
 }
 
-std::string mib_text(std::uint64_t bytes) {
-    return fmt::format("{:.3f}", static_cast<double>(bytes) / (1 << 20));
+/// "12 B", "1.5 KiB" or "45.3 MiB".
+std::string size_text(std::uint64_t bytes) {
+    const auto value = static_cast<double>(bytes);
+    if (bytes < 1024) return fmt::format("{} B", bytes);
+    if (bytes < 1024 * 1024) return fmt::format("{:.1f} KiB", value / 1024);
+    return fmt::format("{:.1f} MiB", value / (1024 * 1024));
 }
 
 double ratio(const Plan& plan) {
@@ -116,7 +120,7 @@ std::string description_text(const ResourceDecl& resource) {
     if (image.depth > 1) text += fmt::format("x{}", image.depth);
     if (image.layers > 1) text += fmt::format(" {} layers", image.layers);
     if (image.mips > 1) text += fmt::format(" {} mips", image.mips);
-    return text + fmt::format(" {} B/texel", texel_bytes(image.format));
+    return fmt::format("{} {}", text, format_text(image.format));
 }
 
 /// Left-aligned columns, as wide as their widest cell; no blanks at the ends of lines.
@@ -171,10 +175,10 @@ std::span<const Barrier> barriers_of(const Plan& plan, const Step& step) {
 }
 
 std::string head_text(const Declaration& declaration, const Plan& plan) {
-    return fmt::format("graph '{}': {} of {} passes, {} barriers in {} batches, {} MiB (lower "
-                       "bound {} MiB, ratio {:.3f})\n",
+    return fmt::format("graph '{}': {} of {} passes, {} barriers in {} batches, {} (lower "
+                       "bound {}, ratio {:.3f})\n",
         declaration.name, plan.steps.size(), declaration.passes.size(), plan.barriers.size(),
-        plan.batches(), mib_text(plan.bytes_peak), mib_text(plan.bytes_lower_bound), ratio(plan));
+        plan.batches(), size_text(plan.bytes_peak), size_text(plan.bytes_lower_bound), ratio(plan));
 }
 
 std::string culled_text(const Declaration& declaration, const Plan& plan) {
@@ -268,12 +272,12 @@ std::string plan_text(const Declaration& declaration, const Plan& plan) {
     text += steps.text();
 
     Table resources;
-    resources.add({"resource", "kind", "lifetime", "size", "MiB", "heap", "offset", "steps"});
+    resources.add({"resource", "kind", "lifetime", "content", "memory", "heap", "offset", "steps"});
     for (const Placement& placement : plan.placements) {
         const ResourceDecl& resource = declaration.resources[placement.resource];
         const bool shared = plan.heaps[placement.heap].shared;
         resources.add({resource.name, name_of(resource.kind), name_of(resource.lifetime),
-            description_text(resource), mib_text(placement.bytes),
+            description_text(resource), size_text(placement.bytes),
             fmt::format("{}{}", placement.heap, shared ? "" : " (own)"),
             fmt::format("{}", placement.offset),
             fmt::format("{}-{}", placement.first_step, placement.last_step)});
@@ -360,9 +364,9 @@ std::string explain(const Declaration& declaration, const Plan& plan) {
         text += fmt::format("after: {}\n", sentence(declaration, barrier));
     text += "\n";
     for (const Placement& placement : plan.placements)
-        text += fmt::format("{} '{}', {} MiB: {}{}\n",
+        text += fmt::format("{} '{}', {}: {}{}\n",
             name_of(declaration.resources[placement.resource].kind),
-            declaration.resources[placement.resource].name, mib_text(placement.bytes),
+            declaration.resources[placement.resource].name, size_text(placement.bytes),
             plan.resources[placement.resource].reason,
             plan.heaps[placement.heap].shared ? "" : "; memory of its own");
     for (std::size_t i = 0; i < plan.resources.size(); ++i)

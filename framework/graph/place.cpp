@@ -88,7 +88,7 @@ std::uint64_t lower_bound(const Declaration& declaration, const Plan& plan) {
                 declaration.resources[largest[i].resource].name,
                 plan.resources[largest[i].resource].reason);
     fail_device("[over-budget] graph '{}': its {} resources need {:.3f} MiB, the memory budget is "
-                "{:.3f} MiB and no order of these passes needs less than {:.3f} MiB; shrink, "
+                "{:.3f} MiB and this order of passes needs at least {:.3f} MiB; shrink, "
                 "split or raise it. The largest:{}",
         declaration.name, plan.placements.size(), static_cast<double>(plan.bytes_peak) / mib,
         static_cast<double>(policy.memory_budget_bytes) / mib,

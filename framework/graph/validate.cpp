@@ -120,8 +120,8 @@ private:
                 describe(resource), image.width, image.height, image.depth, image.mips,
                 std::bit_width(largest));
         if (texel_bytes(image.format) == 0)
-            fail("bad-format", "{} has format {}, which texel_bytes() does not know; use another",
-                describe(resource), static_cast<int>(image.format));
+            fail("bad-format", "{} has format {}, which format.hpp does not know; use another",
+                describe(resource), format_text(image.format));
     }
 
     void check_pass(const PassDecl& pass) {
@@ -187,9 +187,8 @@ private:
             (use.access == Access::depth_attachment && !is_depth(format));
         if (bad)
             fail("bad-format", "{} uses {} as {}, which its format {} does not allow; choose {}",
-                describe(pass), describe(resource), name_of(use.access), static_cast<int>(format),
-                use.access == Access::depth_attachment ? "VK_FORMAT_D32_SFLOAT"
-                                                       : "a linear colour format");
+                describe(pass), describe(resource), name_of(use.access), format_text(format),
+                use.access == Access::depth_attachment ? "D32_SFLOAT" : "a linear colour format");
     }
 
     /// The content that a use depends on must exist.

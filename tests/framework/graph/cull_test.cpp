@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/framework/graph/plan_lines.hpp"
+
+#include <gtest/gtest.h>
+
+namespace ockham {
+namespace {
+
+std::string verdict(const Graph& graph, const Plan& plan, const std::string& name) {
+    const Declaration& declaration = graph.declaration();
+    for (std::size_t i = 0; i < declaration.passes.size(); ++i)
+        if (declaration.passes[i].name == name) return plan.passes[i].reason;
+    for (std::size_t i = 0; i < declaration.resources.size(); ++i)
+        if (declaration.resources[i].name == name) return plan.resources[i].reason;
+    return "no such name";
+}
+
+TEST(Cull, KeepsWhatAnExportNeedsInProgramOrder) {
+    Graph graph("g");
+    BufferHandle a = graph.create_buffer("a", {4}), b = graph.create_buffer("b", {4}),
+                 unread = graph.create_buffer("unread", {4});
+    auto first = graph.add_compute_pass("first");
+    a = first.write("a", a);
+    auto debug = graph.add_compute_pass("debug");
+    debug.read("a", a);
+    unread = debug.write("unread", unread);
+    auto second = graph.add_compute_pass("second");
+    second.read("a", a).because("the user asked for it");
+    b = second.write("b", b);
+    graph.export_resource(b, "the picture");
+    const Plan plan = compile(graph.declaration());
+    EXPECT_EQ(order_line(graph.declaration(), plan), "first second");
+    EXPECT_EQ(verdict(graph, plan, "first"), "kept: 'second' reads its 'a'");
+    EXPECT_EQ(verdict(graph, plan, "debug"), "culled: nothing reads 'unread'");
+    EXPECT_EQ(verdict(graph, plan, "second"),
+        "kept: exported 'b' needs it (the picture); the user asked for it");
+    EXPECT_EQ(verdict(graph, plan, "a"), "kept: used from 'first' to 'second'");
+    EXPECT_EQ(verdict(graph, plan, "b"), "kept: used by 'second'; exported (the picture)");
+    EXPECT_EQ(verdict(graph, plan, "unread"), "culled: no live pass uses it");
+}
+
+TEST(Cull, ChainsOfUnreadPassesGoTogether) {
+    Graph graph("g");
+    BufferHandle a = graph.create_buffer("a", {4}), b = graph.create_buffer("b", {4}),
+                 c = graph.create_buffer("c", {4});
+    auto first = graph.add_compute_pass("first");
+    a = first.write("a", a);
+    auto second = graph.add_compute_pass("second");
+    second.read("a", a);
+    b = second.write("b", b);
+    c = second.write("c", c);
+    auto third = graph.add_compute_pass("third");
+    third.read("b", b);
+    const Plan plan = compile(graph.declaration());
+    EXPECT_TRUE(plan.steps.empty());
+    EXPECT_EQ(verdict(graph, plan, "first"), "culled: only 'second', culled too, reads 'a'");
+    EXPECT_EQ(verdict(graph, plan, "second"),
+        "culled: only 'third', culled too, reads 'b', nothing reads 'c'");
+    EXPECT_EQ(verdict(graph, plan, "third"), "culled: it writes nothing");
+    EXPECT_EQ(plan.bytes_peak, 0u);
+}
+
+TEST(Cull, AWriteMakesEarlierProducersUnneeded) {
+    Graph graph("g");
+    BufferHandle a = graph.create_buffer("a", {4});
+    auto first = graph.add_compute_pass("first");
+    a = first.write("a", a);
+    auto second = graph.add_compute_pass("second");
+    a = second.write("a", a);
+    graph.export_resource(a, "x");
+    const Plan plan = compile(graph.declaration());
+    EXPECT_EQ(order_line(graph.declaration(), plan), "second");
+    EXPECT_EQ(
+        verdict(graph, plan, "first"), "culled: 'second' replaces 'a' before anything reads it");
+}
+
+TEST(Cull, AWriteKeepsProducersWhoseVersionIsRead) {
+    Graph graph("g");
+    BufferHandle a = graph.create_buffer("a", {4}), b = graph.create_buffer("b", {4});
+    auto first = graph.add_compute_pass("first");
+    a = first.write("a", a);
+    auto copy = graph.add_transfer_pass("copy");
+    copy.copy_from(a);
+    b = copy.copy_to(b);
+    auto second = graph.add_compute_pass("second");
+    a = second.write("a", a);
+    graph.export_resource(a, "x");
+    graph.export_resource(b, "y");
+    EXPECT_EQ(order_line(graph.declaration(), compile(graph.declaration())), "first copy second");
+}
+
+TEST(Cull, ReadWriteAndCopiesKeepProducers) {
+    Graph graph("g");
+    BufferHandle a = graph.create_buffer("a", {4});
+    auto first = graph.add_compute_pass("first");
+    a = first.write("a", a);
+    auto part = graph.add_transfer_pass("part"); // may cover a part only
+    a = part.copy_to(a);
+    auto second = graph.add_compute_pass("second");
+    a = second.read_write("a", a);
+    graph.export_resource(a, "x");
+    EXPECT_EQ(order_line(graph.declaration(), compile(graph.declaration())), "first part second");
+}
+
+TEST(Cull, LoadedAttachmentsKeepProducersClearedOnesDoNot) {
+    for (const LoadOp load : {LoadOp::discard, LoadOp::clear, LoadOp::load}) {
+        Graph graph("g");
+        ImageHandle a = graph.create_image("a", kColor);
+        auto first = graph.add_compute_pass("first");
+        a = first.write("a", a);
+        auto draw = graph.add_raster_pass("draw");
+        a = draw.color(a, load);
+        graph.export_resource(a, "x");
+        EXPECT_EQ(order_line(graph.declaration(), compile(graph.declaration())),
+            load == LoadOp::load ? "first draw" : "draw");
+    }
+}
+
+TEST(Cull, SideEffectsPersistentAndExternalKeepPasses) {
+    Graph graph("g");
+    BufferHandle history = graph.create_persistent_buffer("history", {4});
+    BufferHandle target = graph.import_buffer("target", {4}, {});
+    auto effect = graph.add_compute_pass("effect");
+    effect.side_effect("counts runs");
+    auto update = graph.add_compute_pass("update");
+    history = update.read_write("history", history);
+    auto deliver = graph.add_compute_pass("deliver");
+    target = deliver.write("target", target);
+    auto look = graph.add_compute_pass("look");
+    look.read("history", history);
+    const Plan plan = compile(graph.declaration());
+    EXPECT_EQ(order_line(graph.declaration(), plan), "effect update deliver");
+    EXPECT_EQ(verdict(graph, plan, "effect"), "kept: side effect (counts runs)");
+    EXPECT_EQ(verdict(graph, plan, "update"),
+        "kept: persistent 'history' carries it to the next execution");
+    EXPECT_EQ(verdict(graph, plan, "deliver"), "kept: external 'target' hands it to the caller");
+    EXPECT_EQ(verdict(graph, plan, "history"), "kept: used by 'update'; persistent");
+    EXPECT_EQ(verdict(graph, plan, "target"), "kept: used by 'deliver'; external");
+}
+
+TEST(Cull, AnEarlierWriteToAPersistentResourceIsUnneededToo) {
+    Graph graph("g");
+    BufferHandle history = graph.create_persistent_buffer("history", {4});
+    auto first = graph.add_compute_pass("first");
+    history = first.write("history", history);
+    auto second = graph.add_compute_pass("second");
+    history = second.write("history", history);
+    EXPECT_EQ(order_line(graph.declaration(), compile(graph.declaration())), "second");
+}
+
+TEST(Cull, UnusedResourcesTakeNoMemory) {
+    Graph graph("g");
+    (void)graph.create_persistent_buffer("unused", {1 << 20});
+    const Plan plan = compile(graph.declaration());
+    EXPECT_TRUE(plan.placements.empty());
+    EXPECT_TRUE(plan.resources[0].culled);
+}
+
+} // namespace
+} // namespace ockham

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// Properties that every plan has, on random graphs.
+#include "tests/framework/graph/plan_lines.hpp"
+#include "tests/framework/graph/random_graph.hpp"
+#include "tests/framework/graph/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace ockham {
+namespace {
+
+constexpr std::uint64_t kGraphs = 1000;
+
+TEST(Random, PlansAreSound) {
+    std::vector<double> ratios;
+    std::size_t steps = 0, barriers = 0, placements = 0;
+    for (std::uint64_t seed = 0; seed < kGraphs; ++seed) {
+        RandomGraph random(seed);
+        const Declaration& declaration = random.graph().declaration();
+        const Plan plan = compile(declaration);
+        const auto problem = Replay(declaration, plan).run();
+        ASSERT_FALSE(problem) << "seed " << seed << ": " << *problem << "\n"
+                              << plan_text(declaration, plan);
+        ASSERT_GE(plan.bytes_peak, plan.bytes_lower_bound) << "seed " << seed;
+        if (plan.bytes_lower_bound)
+            ratios.push_back(
+                static_cast<double>(plan.bytes_peak) / static_cast<double>(plan.bytes_lower_bound));
+        steps += plan.steps.size();
+        barriers += plan.barriers.size();
+        placements += plan.placements.size();
+    }
+    std::sort(ratios.begin(), ratios.end());
+    const auto quantile = [&](double q) {
+        return ratios[static_cast<std::size_t>(q * static_cast<double>(ratios.size() - 1))];
+    };
+    fmt::print("{} graphs, {} steps, {} barriers, {} placed resources; peak / lower bound: median "
+               "{:.3f}, 95 % {:.3f}, largest {:.3f}\n",
+        kGraphs, steps, barriers, placements, quantile(0.5), quantile(0.95), ratios.back());
+    EXPECT_LE(quantile(0.95), 1.10);
+    EXPECT_GT(placements, kGraphs); // the graphs are not trivial
+}
+
+TEST(Random, PlansWithoutAliasingAreSound) {
+    Policy policy;
+    policy.alias_memory = false;
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        RandomGraph random(seed);
+        const Declaration& declaration = random.graph().declaration();
+        const auto problem = Replay(declaration, compile(declaration, {}, policy)).run();
+        ASSERT_FALSE(problem) << "seed " << seed << ": " << *problem;
+    }
+}
+
+/// Culling by its definition: what a pass writes reaches a live reader or the outside.
+TEST(Random, CullingKeepsExactlyWhatIsNeeded) {
+    for (std::uint64_t seed = 0; seed < kGraphs; ++seed) {
+        RandomGraph random(seed);
+        const Declaration& declaration = random.graph().declaration();
+        const Plan plan = compile(declaration);
+        const std::size_t count = declaration.passes.size();
+        const auto find = [&](std::size_t pass, ResourceId id) -> const Use* {
+            for (std::uint32_t i = 0; i < declaration.passes[pass].use_count; ++i) {
+                const Use& use = declaration.uses[declaration.passes[pass].first_use + i];
+                if (use.resource == id) return &use;
+            }
+            return nullptr;
+        };
+        std::vector<char> live(count, 0);
+        for (std::size_t p = count; p-- > 0;) {
+            bool needed = !declaration.passes[p].side_effect.empty();
+            for (ResourceId id = 0; id < declaration.resources.size() && !needed; ++id) {
+                const Use* const write = find(p, id);
+                if (!write || !writes(write->access)) continue;
+                const ResourceDecl& resource = declaration.resources[id];
+                bool reaches_end = true;
+                for (std::size_t later = p + 1; later < count && reaches_end; ++later) {
+                    const Use* const use = find(later, id);
+                    if (!use || !live[later]) continue;
+                    if (needs_content(*use)) needed = true;
+                    if (needs_content(*use) || replaces_content(*use)) reaches_end = false;
+                }
+                if (reaches_end && (resource.exported || resource.lifetime != Lifetime::transient))
+                    needed = true;
+            }
+            live[p] = needed;
+            ASSERT_EQ(needed, !plan.passes[p].culled)
+                << "seed " << seed << ", " << declaration.passes[p].name;
+        }
+    }
+}
+
+TEST(Random, EqualDeclarationsGiveEqualPlans) {
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        const auto text = [&] {
+            RandomGraph random(seed);
+            Plan plan = compile(random.graph().declaration());
+            plan.compile_us = 0;
+            return plan_json(random.graph().declaration(), plan).dump() +
+                   plan_text(random.graph().declaration(), plan);
+        };
+        ASSERT_EQ(text(), text()) << "seed " << seed;
+    }
+}
+
+/// The replay can fail: it misses most barriers when one is taken away.
+TEST(Random, TakingABarrierAwayIsNoticed) {
+    std::size_t taken = 0, noticed = 0;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        RandomGraph random(seed);
+        const Declaration& declaration = random.graph().declaration();
+        const Plan plan = compile(declaration);
+        for (std::size_t i = 0; i < plan.barriers.size(); ++i) {
+            Plan worse = plan;
+            Barrier& gone = worse.barriers[i];
+            gone.src_stages = gone.dst_stages = 0;
+            gone.src_access = gone.dst_access = 0;
+            gone.old_layout = gone.new_layout;
+            ++taken;
+            noticed += Replay(declaration, worse).run().has_value();
+        }
+    }
+    fmt::print("{} of {} barriers are missed when taken away\n", noticed, taken);
+    EXPECT_GE(static_cast<double>(noticed), 0.9 * static_cast<double>(taken));
+}
+
+} // namespace
+} // namespace ockham
