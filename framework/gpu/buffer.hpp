@@ -15,7 +15,7 @@ class Device;
 struct BufferInfo {
     std::uint64_t bytes = 0; ///< >= 1
     VkBufferUsageFlags usage = 0;
-    std::string name;
+    std::string name = {};
     MemoryUse memory = MemoryUse::device;
 };
 

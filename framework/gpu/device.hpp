@@ -26,12 +26,12 @@ class Pipelines;
 
 struct DeviceOptions {
     /// Index in list_gpus(), or part of a name, case ignored; empty: the best score.
-    std::string gpu;
+    std::string gpu = {};
     Validation validation = Validation::off;
     /// Refuses allocations beyond; 0 = as much as the driver gives.
     std::uint64_t memory_budget_bytes = 0;
     /// Compiled pipelines are kept here; empty: $XDG_CACHE_HOME/ockham or ~/.cache/ockham.
-    std::filesystem::path cache_dir;
+    std::filesystem::path cache_dir = {};
     /// Descriptor sets from pools even where push descriptors exist; also by the environment:
     /// OCKHAM_FORCE_DESCRIPTOR_SETS=1.
     bool force_descriptor_sets = false;

@@ -24,7 +24,7 @@ struct ImageInfo {
     std::uint32_t layers = 1;
     std::uint32_t mips = 1;
     VkImageUsageFlags usage = 0;
-    std::string name;
+    std::string name = {};
     bool aliased = false; ///< shares its memory with other images over time
 };
 

@@ -22,8 +22,8 @@ Devices& devices() {
 gpu::Device& GpuTest::device() {
     std::unique_ptr<gpu::Device>& device = devices().pushing;
     if (!device) {
-        device = std::make_unique<gpu::Device>(
-            gpu::DeviceOptions{.validation = gpu::Validation::sync});
+        device =
+            std::make_unique<gpu::Device>(gpu::DeviceOptions{.validation = gpu::Validation::sync});
     }
     return *device;
 }
@@ -31,8 +31,8 @@ gpu::Device& GpuTest::device() {
 gpu::Device& GpuTest::device_without_push() {
     std::unique_ptr<gpu::Device>& device = devices().with_sets;
     if (!device) {
-        device = std::make_unique<gpu::Device>(gpu::DeviceOptions{
-            .validation = gpu::Validation::sync, .force_descriptor_sets = true});
+        device = std::make_unique<gpu::Device>(
+            gpu::DeviceOptions{.validation = gpu::Validation::sync, .force_descriptor_sets = true});
     }
     return *device;
 }
