@@ -1,0 +1,13 @@
+# SPDX-License-Identifier: Apache-2.0
+# The Debian 12 packages that building, testing and the demo need; the only list of them. What
+# fetches this repository and runs these scripts comes first: apt-get install cmake git
+set(OCKHAM_PACKAGES
+  # tools
+  g++ ninja-build pkg-config glslang-tools
+  # libraries
+  libcli11-dev libfmt-dev libglm-dev libopenexr-dev libspirv-cross-c-shared-dev libstb-dev
+  libtinygltf-dev libvulkan-dev nlohmann-json3-dev
+  # a Vulkan device in software, used where there is no other
+  mesa-vulkan-drivers
+  # tests
+  libgtest-dev vulkan-validationlayers)

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -P cmake/test.cmake : installs what is missing, builds preset ci in build/ci and runs every
+# test that is not labelled stability or nightly. Fails if one fails.
+#   cmake -DSETUP_ONLY=1 -P cmake/test.cmake    installs and stops
+#   OCKHAM_DATA_DIR=folder                      also tests with external scenes and volumes
+#   MESA_SHADER_CACHE_DIR=folder                compiled kernels [build/shader_cache]
+include(${CMAKE_CURRENT_LIST_DIR}/setup.cmake)
+if(SETUP_ONLY)
+  return()
+endif()
+
+get_filename_component(data "$ENV{OCKHAM_DATA_DIR}" ABSOLUTE BASE_DIR ${CMAKE_CURRENT_BINARY_DIR})
+if("$ENV{OCKHAM_DATA_DIR}" STREQUAL "")
+  set(data "")
+elseif(NOT IS_DIRECTORY ${data})
+  message(FATAL_ERROR "OCKHAM_DATA_DIR: no folder '${data}'; unset it to test without external data")
+endif()
+set(ENV{OCKHAM_DATA_DIR} "${data}")
+
+ockham_step(${CMAKE_COMMAND} --preset ci "-DOCKHAM_DATA_DIR=${data}")
+ockham_step(${CMAKE_COMMAND} --build --preset ci --parallel ${cores})
+ockham_step(${CMAKE_CTEST_COMMAND} --preset ci --parallel ${cores})
