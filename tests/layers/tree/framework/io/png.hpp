@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <stb/stb_image.h> // wrong
+#include <tiny_gltf.h>     // wrong
