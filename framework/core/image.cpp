@@ -62,6 +62,7 @@ float Image::at(int x, int y, int channel) const {
 
 float srgb_encode(float linear) {
     const float c = std::clamp(linear, 0.0f, 1.0f);
+    if (c >= 1.0f) return 1.0f; // exactly, which the formula misses by an ulp
     return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
 }
 

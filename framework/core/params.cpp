@@ -76,6 +76,10 @@ Param& Param::letter(char new_name) {
     alias = new_name;
     return *this;
 }
+Param& Param::positional() {
+    is_positional = true;
+    return *this;
+}
 Param& Param::transient() {
     is_transient = true;
     return *this;

@@ -33,6 +33,8 @@ public:
     Param& group(std::string name);
     /// A one-letter alias ('o' for -o).
     Param& letter(char name);
+    /// Given without a flag; lists only.
+    Param& positional();
     /// Not written by --dump-config and not read from run files (help, version, paths of this run).
     Param& transient();
 
@@ -45,6 +47,7 @@ public:
     char alias = 0;
     bool takes_on_off = false;
     bool is_transient = false;
+    bool is_positional = false;
     /// True once set by a command line or a run file.
     bool given = false;
 

@@ -1,1 +1,359 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "framework/scene_gpu/scene_gpu.hpp"
+
+#include "framework/core/error.hpp"
+#include "framework/core/log.hpp"
+#include "framework/gpu/device.hpp"
+#include "framework/gpu/transfer.hpp"
+#include "framework/scene_gpu/texture_array.hpp"
+#include "shaders/shared/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace ockham {
+namespace {
+
+constexpr std::size_t kMaxMaterials = (1u << 24) - 1; // bits of the packed G-buffer
+
+/// Which images go into one array, each once.
+class LayerList {
+public:
+    int add(const Scene& scene, int image, std::optional<float> alpha_cutoff) {
+        const auto [found, added] = index_.try_emplace(image, static_cast<int>(layers_.size()));
+        if (added) layers_.push_back({&scene.images[static_cast<std::size_t>(image)], {}});
+        if (alpha_cutoff)
+            layers_[static_cast<std::size_t>(found->second)].alpha_cutoff = alpha_cutoff;
+        return found->second;
+    }
+    const std::vector<TextureLayer>& layers() const { return layers_; }
+
+private:
+    std::map<int, int> index_;
+    std::vector<TextureLayer> layers_;
+};
+
+shader::UvMap uv_map(const TextureUse& use) {
+    return {.u = use.transform_u,
+        .v = use.transform_v,
+        .set = static_cast<std::uint32_t>(use.uv_set),
+        .wrap = static_cast<std::uint32_t>(use.wrap_u) | static_cast<std::uint32_t>(use.wrap_v)
+                                                             << 2};
+}
+
+/// Gives each image of a material a layer, and its coordinates one of the two slots that the
+/// G-buffer can hold.
+class MaterialBuilder {
+public:
+    MaterialBuilder(const Scene& scene, LayerList& color, LayerList& data)
+        : scene_(scene), color_(color), data_(data) {}
+
+    shader::MaterialData build(const Material& material) {
+        slots_.clear();
+        shader::MaterialData out{};
+        out.base_color = material.base_color;
+        out.emissive = material.emissive;
+        out.metallic = material.metallic;
+        out.roughness = material.roughness;
+        const float ratio = (material.ior - 1.0f) / (material.ior + 1.0f);
+        out.reflectance = ratio * ratio;
+        out.normal_scale = material.normal_scale;
+        out.occlusion_strength = material.occlusion_strength;
+        out.alpha_cutoff = material.alpha_cutoff;
+        out.flags = material.unlit ? MATERIAL_UNLIT : 0u;
+        out.base_color_texture = reference(color_, material, material.base_color_texture,
+            material.masked ? std::optional(material.alpha_cutoff) : std::nullopt);
+        out.emissive_texture = reference(color_, material, material.emissive_texture, {});
+        out.metallic_roughness_texture =
+            reference(data_, material, material.metallic_roughness_texture, {});
+        out.occlusion_texture = reference(data_, material, material.occlusion_texture, {});
+        for (std::size_t i = 0; i < 2; ++i) {
+            out.uv[i] = uv_map(i < slots_.size() ? *slots_[i] : TextureUse{});
+        }
+        out.normal_texture = layer_of(data_, material.normal_texture, {});
+        out.normal_texture.slot = 2;
+        out.uv[2] = uv_map(material.normal_texture);
+        return out;
+    }
+
+private:
+    shader::TextureRef layer_of(
+        LayerList& list, const TextureUse& use, std::optional<float> cutoff) {
+        if (!use.used()) return {.layer = -1, .slot = 0, .size = glm::vec2(1.0f)};
+        const TextureImage& image = scene_.images[static_cast<std::size_t>(use.image)];
+        return {.layer = list.add(scene_, use.image, cutoff),
+            .slot = 0,
+            .size = glm::vec2(image.width, image.height)};
+    }
+
+    shader::TextureRef reference(LayerList& list, const Material& material, const TextureUse& use,
+        std::optional<float> cutoff) {
+        shader::TextureRef ref = layer_of(list, use, cutoff);
+        if (!use.used()) return ref;
+        const auto same = [&](const TextureUse* slot) { return slot->same_coordinates(use); };
+        auto found = std::find_if(slots_.begin(), slots_.end(), same);
+        if (found == slots_.end() && slots_.size() == 2) {
+            log::warning("material '{}': its images use more than two different sets of texture "
+                         "coordinates; the third is read with the second's",
+                material.name);
+            found = slots_.end() - 1;
+        } else if (found == slots_.end()) {
+            slots_.push_back(&use);
+            found = slots_.end() - 1;
+        }
+        ref.slot = static_cast<std::uint32_t>(found - slots_.begin());
+        return ref;
+    }
+
+    const Scene& scene_;
+    LayerList& color_;
+    LayerList& data_;
+    std::vector<const TextureUse*> slots_;
+};
+
+shader::LightData light_data(const Light& light) {
+    shader::LightData out{};
+    out.position = light.position;
+    out.inverse_range_squared = std::isinf(light.range) ? 0.0f : 1.0f / (light.range * light.range);
+    out.to_light = -light.direction;
+    out.softening = light.softening;
+    out.intensity = light.intensity;
+    out.window_half_power = 0.5f * light.window_power;
+    const float cos_outer = std::cos(light.outer_cone);
+    out.cone_scale = 1.0f / std::max(0.001f, std::cos(light.inner_cone) - cos_outer);
+    out.cone_offset = -cos_outer * out.cone_scale;
+    return out;
+}
+
+/// Directional, then point, then spot, as the shaders loop over them.
+std::vector<shader::LightData> light_table(const Scene& scene) {
+    std::vector<shader::LightData> table;
+    for (const LightType type : {LightType::directional, LightType::point, LightType::spot}) {
+        for (const Light& light : scene.lights) {
+            if (light.type == type) table.push_back(light_data(light));
+        }
+    }
+    if (table.empty()) table.push_back({}); // a buffer has at least one byte; none is ever read
+    return table;
+}
+
+VertexLayout layout_of(const Scene& scene, const SceneFacts& facts) {
+    VertexLayout layout;
+    const auto add = [&](std::uint32_t floats) {
+        layout.stride += floats;
+        return layout.stride - floats;
+    };
+    bool uv[2] = {false, false};
+    for (const Material& material : scene.materials) {
+        for (const TextureUse* use :
+            {&material.base_color_texture, &material.emissive_texture, &material.normal_texture,
+                &material.metallic_roughness_texture, &material.occlusion_texture}) {
+            if (use->used()) uv[use->uv_set == 0 ? 0 : 1] = true;
+        }
+    }
+    if (facts.normal_maps) layout.tangent = add(4);
+    for (std::size_t i = 0; i < 2; ++i) {
+        if (uv[i]) layout.uv[i] = add(2);
+    }
+    if (facts.vertex_colors) layout.color = add(4);
+    return layout;
+}
+
+void append_vertices(
+    std::vector<float>& out, const Primitive& primitive, const VertexLayout& layout) {
+    const auto put = [](float* at, const auto& value) {
+        for (int i = 0; i < value.length(); ++i) at[i] = value[i];
+    };
+    for (std::size_t v = 0; v < primitive.positions.size(); ++v) {
+        const std::size_t base = out.size();
+        out.resize(base + layout.stride, 0.0f);
+        float* vertex = &out[base];
+        put(vertex, primitive.positions[v]);
+        put(vertex + layout.normal, primitive.normals[v]);
+        if (layout.tangent != kNone && !primitive.tangents.empty()) {
+            put(vertex + layout.tangent, primitive.tangents[v]);
+        }
+        for (std::size_t set = 0; set < 2; ++set) {
+            if (layout.uv[set] != kNone && !primitive.uvs[set].empty()) {
+                put(vertex + layout.uv[set], primitive.uvs[set][v]);
+            }
+        }
+        if (layout.color != kNone) {
+            put(vertex + layout.color,
+                primitive.colors.empty() ? glm::vec4(1.0f) : primitive.colors[v]);
+        }
+    }
+}
+
+/// Instances grouped by mesh and handedness, so that each group is one range.
+struct InstanceGroups {
+    std::vector<shader::InstanceData> table;
+    struct Group {
+        int mesh;
+        bool mirrored;
+        std::uint32_t first, count;
+    };
+    std::vector<Group> groups;
+};
+
+InstanceGroups group_instances(const Scene& scene) {
+    std::map<std::pair<int, bool>, std::vector<const Instance*>> sorted;
+    for (const Instance& instance : scene.instances) {
+        sorted[{instance.mesh, glm::determinant(glm::mat3(instance.world)) < 0.0f}].push_back(
+            &instance);
+    }
+    InstanceGroups out;
+    for (const auto& [key, instances] : sorted) {
+        out.groups.push_back({key.first, key.second, static_cast<std::uint32_t>(out.table.size()),
+            static_cast<std::uint32_t>(instances.size())});
+        for (const Instance* instance : instances) {
+            const glm::mat4 rows = glm::transpose(instance->world);
+            out.table.push_back({rows[0], rows[1], rows[2]});
+        }
+    }
+    return out;
+}
+
+/// Makes the image in place, since the uploader remembers where it stands.
+void make_array(std::optional<gpu::Image>& image, gpu::Device& device, gpu::Uploader& uploader,
+    const std::vector<TextureLayer>& layers, bool srgb, const char* name, std::uint64_t& bytes,
+    std::uint64_t& padding) {
+    if (layers.empty()) return;
+    const TextureArray array = build_texture_array(layers, srgb);
+    const gpu::Limits& limits = device.limits();
+    if (array.width > limits.image_extent || array.height > limits.image_extent ||
+        array.layers > limits.image_layers) {
+        fail_input(
+            "{}: {} images of up to {} x {} texels; this device holds {} layers of {} texels a "
+            "side: use smaller or fewer images",
+            name, array.layers, array.width, array.height, limits.image_layers,
+            limits.image_extent);
+    }
+    image.emplace(
+        device, gpu::ImageInfo{.format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                    .width = array.width,
+                    .height = array.height,
+                    .layers = array.layers,
+                    .mips = array.mips,
+                    .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                    .name = name});
+    for (std::uint32_t layer = 0; layer < array.layers; ++layer) {
+        for (std::uint32_t mip = 0; mip < array.mips; ++mip) {
+            uploader.add(*image, layer, mip,
+                std::as_bytes(std::span(array.texels[std::size_t{layer} * array.mips + mip])));
+        }
+    }
+    bytes += array.bytes();
+    padding += array.bytes() - array.native_bytes;
+}
+
+} // namespace
+
+SceneGpu::SceneGpu(gpu::Device& device, const Scene& scene)
+    : facts_(facts_of(scene)), layout_(layout_of(scene, facts_)), bounds_(scene.bounds()) {
+    if (scene.materials.size() > kMaxMaterials) {
+        fail_input("scene '{}' has {} materials; at most {} can be told apart", scene.name,
+            scene.materials.size(), kMaxMaterials);
+    }
+    const InstanceGroups instances = group_instances(scene);
+    std::vector<float> vertices;
+    std::vector<std::uint32_t> indices;
+    std::vector<bool> material_used(scene.materials.size(), false);
+    struct Range {
+        std::uint32_t first_index;
+        std::int32_t vertex_offset;
+    };
+    std::map<const Primitive*, Range> ranges;
+    for (const InstanceGroups::Group& group : instances.groups) {
+        for (const Primitive& primitive :
+            scene.meshes[static_cast<std::size_t>(group.mesh)].primitives) {
+            if (primitive.indices.empty()) continue;
+            const auto [range, added] = ranges.try_emplace(
+                &primitive, Range{static_cast<std::uint32_t>(indices.size()),
+                                static_cast<std::int32_t>(vertices.size() / layout_.stride)});
+            if (added) {
+                append_vertices(vertices, primitive, layout_);
+                indices.insert(indices.end(), primitive.indices.begin(), primitive.indices.end());
+            }
+            const auto material = static_cast<std::size_t>(primitive.material);
+            material_used[material] = true;
+            draws_.push_back({.first_index = range->second.first_index,
+                .index_count = static_cast<std::uint32_t>(primitive.indices.size()),
+                .vertex_offset = range->second.vertex_offset,
+                .first_instance = group.first,
+                .instance_count = group.count,
+                .material = static_cast<std::uint32_t>(primitive.material),
+                .masked = scene.materials[material].masked,
+                .double_sided = scene.materials[material].double_sided,
+                .mirrored = group.mirrored});
+        }
+    }
+
+    LayerList color, data;
+    MaterialBuilder builder(scene, color, data);
+    std::vector<shader::MaterialData> materials;
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        // Images of materials that nothing shows stay on the host.
+        materials.push_back(
+            material_used[i] ? builder.build(scene.materials[i]) : shader::MaterialData{});
+    }
+    if (materials.empty()) materials.push_back({});
+
+    gpu::Uploader uploader(device);
+    const auto make_buffer = [&](std::optional<gpu::Buffer>& buffer, const char* name,
+                                 std::span<const std::byte> bytes, VkBufferUsageFlags usage) {
+        if (bytes.empty()) return;
+        buffer.emplace(device, gpu::BufferInfo{.bytes = bytes.size(),
+                                   .usage = usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                   .name = name});
+        uploader.add(*buffer, bytes);
+        bytes_ += bytes.size();
+    };
+    const auto bytes_of = [](const auto& values) { return std::as_bytes(std::span(values)); };
+    constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    make_buffer(vertices_, "vertices", bytes_of(vertices), kStorage);
+    make_buffer(indices_, "indices", bytes_of(indices), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+    if (!draws_.empty()) make_buffer(instances_, "instances", bytes_of(instances.table), kStorage);
+    make_buffer(materials_, "materials", bytes_of(materials), kStorage);
+    make_buffer(lights_, "lights", bytes_of(light_table(scene)), kStorage);
+    make_array(color_textures_, device, uploader, color.layers(), true, "color_textures", bytes_,
+        padding_bytes_);
+    make_array(data_textures_, device, uploader, data.layers(), false, "data_textures", bytes_,
+        padding_bytes_);
+    uploader.finish();
+}
+
+SceneHandles SceneGpu::import(Graph& graph) const {
+    const auto buffer = [&](const std::optional<gpu::Buffer>& source) {
+        return source ? graph.import_buffer(source->name(), {source->bytes()}, {}) : BufferHandle{};
+    };
+    const auto image = [&](const std::optional<gpu::Image>& source) {
+        if (!source) return ImageHandle{};
+        const gpu::ImageInfo& info = source->info();
+        return graph.import_image(source->name(),
+            {.format = info.format,
+                .width = info.width,
+                .height = info.height,
+                .layers = info.layers,
+                .mips = info.mips},
+            AccessState{.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+    };
+    return {buffer(vertices_), buffer(indices_), buffer(instances_), buffer(materials_),
+        buffer(lights_), image(color_textures_), image(data_textures_)};
+}
+
+void SceneGpu::bind(Executor& executor, const SceneHandles& handles) const {
+    const auto bind_one = [&](auto handle, const auto& source) {
+        if (source) executor.bind(handle, *source);
+    };
+    bind_one(handles.vertices, vertices_);
+    bind_one(handles.indices, indices_);
+    bind_one(handles.instances, instances_);
+    bind_one(handles.materials, materials_);
+    bind_one(handles.lights, lights_);
+    bind_one(handles.color_textures, color_textures_);
+    bind_one(handles.data_textures, data_textures_);
+}
+
+} // namespace ockham

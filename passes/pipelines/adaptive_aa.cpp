@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "passes/pipelines/adaptive_aa.hpp"
+
+#include "framework/core/error.hpp"
+#include "passes/debug/surface_aov.hpp"
+#include "passes/schedule/buckets.hpp"
+#include "passes/surface/first_sample.hpp"
+#include "passes/surface/resolve.hpp"
+#include "passes/surface/shade.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace ockham {
+namespace {
+
+/// The parameters with everything derived: m = 1 and "none" are the same picture.
+AdaptiveAaParams settled(AdaptiveAaParams params) {
+    if (params.width < 1 || params.height < 1 || params.width > 16384 || params.height > 16384) {
+        fail_input(
+            "picture of {} x {} pixels: each side must be 1 to 16384", params.width, params.height);
+    }
+    if (params.m < 1 || params.m > MAX_WINDOW) {
+        fail_input("m = {}: the window must be 1 to {} samples wide", params.m, MAX_WINDOW);
+    }
+    if (params.method == AaMethod::none) params.m = 1;
+    const std::uint32_t n = params.m * params.m;
+    if (params.method == AaMethod::ssaa) params.k = n;
+    if (params.method == AaMethod::uniform && (params.k < 1 || params.k > n)) {
+        fail_input(
+            "k = {}: a window of {} x {} has 1 to {} samples", params.k, params.m, params.m, n);
+    }
+    if (n == 1) params.method = AaMethod::none;
+    if (params.order.empty()) params.order = paper_order(static_cast<int>(params.m));
+    return params;
+}
+
+void omit_adaptive_passes(Graph& graph, const std::string& reason) {
+    for (const char* pass :
+        {"metrics", "bucket_count", "bucket_scan", "bucket_arguments", "bucket_scatter"}) {
+        graph.omit_pass(pass, reason);
+    }
+}
+
+void omit_what_the_scene_lacks(Graph& graph, const SceneFacts& facts) {
+    if (!facts.color_textures)
+        graph.omit_resource("color_textures", "no material has a colour image");
+    if (!facts.data_textures()) {
+        graph.omit_resource(
+            "data_textures", "no material has a normal, roughness or occlusion image");
+    }
+    if (!facts.masked) graph.omit_pass("gbuffer, masked draws", "no material has holes");
+    if (!facts.sun_shadow) graph.omit_resource("shadow_map", "no directional light casts a shadow");
+}
+
+AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const ShadingParams& shading,
+    const AdaptiveAaParams& params) {
+    AdaptiveAaOutputs out;
+    switch (params.method) {
+    case AaMethod::none:
+        omit_adaptive_passes(graph, "one sample per pixel: nothing to decide");
+        graph.omit_pass("shade", "one sample per pixel: first_sample is the picture");
+        graph.omit_pass("resolve", "one sample per pixel: first_sample is the picture");
+        out.radiance = out.first_sample = add_first_sample(graph, in, shading);
+        return out;
+    case AaMethod::uniform:
+    case AaMethod::ssaa: {
+        const std::string reason =
+            fmt::format("every pixel takes {} samples: nothing to decide", params.k);
+        omit_adaptive_passes(graph, reason);
+        graph.omit_pass("first_sample", reason);
+        const ImageHandle sum = add_shade_uniform(graph, in, shading, params.k);
+        out.radiance = add_resolve_uniform(graph, sum, params.k);
+        return out;
+    }
+    case AaMethod::adaptive:
+        break;
+    }
+
+    out.first_sample = add_first_sample(graph, in, shading);
+    MetricsParams metrics = params.metrics;
+    metrics.width = params.width;
+    metrics.height = params.height;
+    metrics.winner = params.aov;
+    const Metrics counts =
+        add_metrics(graph, {in.scene.frame, in.gbuffer, out.first_sample}, metrics);
+    out.sample_count = counts.sample_count;
+    out.winner = counts.winner;
+    ImageHandle sum;
+    if (params.dispatch == Dispatch::buckets) {
+        const Buckets buckets = add_buckets(
+            graph, out.sample_count, {params.width, params.height, params.m * params.m});
+        sum = add_shade_buckets(graph, in, shading, out.first_sample, buckets);
+    } else {
+        for (const char* pass :
+            {"bucket_count", "bucket_scan", "bucket_arguments", "bucket_scatter"}) {
+            graph.omit_pass(pass, "--dispatch loop: each invocation loops over its own pixel");
+        }
+        sum = add_shade_loop(graph, in, shading, out.first_sample, out.sample_count);
+    }
+    out.radiance = add_resolve(graph, sum, out.first_sample, out.sample_count);
+    return out;
+}
+
+} // namespace
+
+bool is_shading_pass(std::string_view pass) { return pass != "gbuffer" && pass != "surface_aov"; }
+
+AdaptiveAaOutputs add_adaptive_aa(
+    Graph& graph, ShadingInputs in, const AdaptiveAaParams& wanted, std::uint32_t max_extent) {
+    const AdaptiveAaParams params = settled(wanted);
+    omit_what_the_scene_lacks(graph, in.scene.scene->facts());
+    in.gbuffer = add_gbuffer(graph, in.scene, {params.width, params.height, params.m}, max_extent);
+    const ShadingParams shading{.width = params.width,
+        .height = params.height,
+        .m = params.m,
+        .stall = params.stall,
+        .anisotropy = params.anisotropy};
+    AdaptiveAaOutputs out = add_picture(graph, in, shading, params);
+    graph.export_resource(out.radiance, "the picture");
+
+    if (params.aov) {
+        const SurfaceAov aov =
+            add_surface_aov(graph, in.scene.frame, in.gbuffer, params.width, params.height);
+        out.aov_surface = aov.surface;
+        out.aov_material = aov.material;
+        for (const ImageHandle image :
+            {out.aov_surface, out.aov_material, out.winner, out.sample_count, out.first_sample}) {
+            if (image && image.resource != out.radiance.resource)
+                graph.export_resource(image, "--aov");
+        }
+    } else {
+        graph.omit_pass("surface_aov", "no --aov");
+        if (params.export_counts && out.sample_count) {
+            graph.export_resource(out.sample_count, "statistics of the sample counts");
+        }
+    }
+    for (const std::string& name : params.captures) {
+        const ImageHandle image = graph.find_image(name);
+        if (!image) fail_input("--capture: this graph has no image '{}'; --plan lists them", name);
+        if (image.resource != out.radiance.resource) graph.export_resource(image, "--capture");
+        out.captures.push_back(image);
+    }
+    return out;
+}
+
+AdaptiveAa::AdaptiveAa(
+    gpu::Device& device, const LitScene& lit, const Camera& camera, const AdaptiveAaParams& params)
+    : params_(settled(params)) {
+    const shader::FrameData frame = make_frame(lit.scene(), lit.gpu().bounds(), camera,
+        static_cast<int>(params_.width), static_cast<int>(params_.height),
+        static_cast<int>(params_.m), params_.order, LitScene::kShadowMapSize);
+    frame_ = std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = sizeof(frame),
+                                                       .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                                       .name = "frame",
+                                                       .memory = gpu::MemoryUse::upload});
+    std::memcpy(frame_->mapped().data(), &frame, sizeof(frame));
+
+    Graph graph("adaptive_aa");
+    ShadingInputs in;
+    in.scene.scene = &lit.gpu();
+    in.scene.handles = lit.gpu().import(graph);
+    in.scene.frame = graph.import_buffer("frame", {sizeof(frame)}, {});
+    if (const gpu::Image* map = lit.shadow_map()) {
+        in.shadow_map = graph.import_image("shadow_map",
+            {.format = map->info().format,
+                .width = map->info().width,
+                .height = map->info().height},
+            state_of(Access::sampled, Stage::compute));
+    }
+    outputs_ = add_adaptive_aa(graph, in, params_, device.limits().image_extent);
+    executor_ = std::make_unique<Executor>(device, std::move(graph));
+    lit.gpu().bind(*executor_, in.scene.handles);
+    executor_->bind(in.scene.frame, *frame_);
+    if (in.shadow_map) executor_->bind(in.shadow_map, *lit.shadow_map());
+}
+
+AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {
+    const std::uint32_t n = params_.m * params_.m;
+    const std::uint64_t pixels = std::uint64_t{params_.width} * params_.height;
+    SampleCounts counts;
+    counts.histogram.assign(n, 0);
+    if (params_.method != AaMethod::adaptive) {
+        const std::uint32_t k = params_.method == AaMethod::none ? 1 : params_.k;
+        counts.histogram[k - 1] = pixels;
+        counts.mean = k;
+        counts.percent = counts.shaded_percent = 100.0 * k / n;
+        return counts;
+    }
+    check(bool(outputs_.sample_count) && (params_.export_counts || params_.aov),
+        "counts were not exported");
+    const Image map = executor_->read(outputs_.sample_count);
+    const std::span<const float> k = map.plane(0);
+    std::uint64_t sum = 0, lane_slots = 0;
+    for (const float value : k) {
+        const auto count = static_cast<std::uint32_t>(value);
+        check(count >= 1 && count <= n, "a pixel has 1 to n samples");
+        ++counts.histogram[count - 1];
+        sum += count;
+    }
+    // A group of lanes runs as long as its longest pixel. Buckets hold pixels of one count only.
+    if (params_.dispatch == Dispatch::buckets) {
+        for (std::uint32_t b = 0; b < n; ++b) {
+            lane_slots += (counts.histogram[b] + lanes - 1) / lanes * lanes * (b + 1);
+        }
+    } else {
+        for (std::uint32_t y = 0; y < params_.height; ++y) {
+            for (std::uint32_t x = 0; x < params_.width; x += lanes) {
+                float most = 0;
+                for (std::uint32_t i = x; i < std::min(x + lanes, params_.width); ++i) {
+                    most = std::max(most, k[std::size_t{y} * params_.width + i]);
+                }
+                lane_slots += static_cast<std::uint64_t>(most) * lanes;
+            }
+        }
+    }
+    const double all = static_cast<double>(pixels) * n;
+    counts.percent = 100.0 * static_cast<double>(sum) / all;
+    counts.mean = static_cast<double>(sum) / static_cast<double>(pixels);
+    counts.lane_efficiency = static_cast<double>(sum) / static_cast<double>(lane_slots);
+    counts.shaded_percent =
+        counts.percent + 100.0 * static_cast<double>(counts.histogram[n - 1]) / all;
+    return counts;
+}
+
+} // namespace ockham

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole picture of adaptive supersampling for deferred shading (Hollaender, Boubekeur,
+// Eisemann, JCGT 2013) and of its reference methods, as one graph:
+//   gbuffer -> first_sample -> metrics -> buckets -> shade -> resolve
+// Passes that the method, m or the scene does not need are not declared, and the plan says why.
+#pragma once
+
+#include "passes/pipelines/lit_scene.hpp"
+#include "passes/surface/frame.hpp"
+#include "passes/surface/metrics.hpp"
+#include "passes/surface/shading_inputs.hpp"
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ockham {
+
+enum class AaMethod {
+    none,     ///< one sample per pixel, whatever m
+    uniform,  ///< the same k everywhere
+    ssaa,     ///< all m x m samples
+    adaptive, ///< k by the metrics
+};
+
+enum class Dispatch {
+    loop,    ///< each invocation loops over its own pixel's samples
+    buckets, ///< one indirect dispatch per count
+};
+
+struct AdaptiveAaParams {
+    std::uint32_t width = 1024, height = 768; ///< pixels
+    std::uint32_t m = 4;                      ///< window width in samples, 1 ... 8
+    AaMethod method = AaMethod::adaptive;
+    std::uint32_t k = 1; ///< uniform only, 1 ... m * m
+    Dispatch dispatch = Dispatch::buckets;
+    std::vector<std::uint32_t> order;  ///< samples by rank; empty: paper_order(m)
+    MetricsParams metrics;             ///< its size is set from here
+    std::uint32_t stall = 0;           ///< dependent FMAs per shaded sample
+    std::uint32_t anisotropy = 16;     ///< 1 ... 16
+    bool aov = false;                  ///< export k, winner, S, depth, normal, material too
+    bool export_counts = false;        ///< export k
+    std::vector<std::string> captures; ///< names of further images to export
+};
+
+/// True for the passes that shading_gpu_ms adds up: all but the G-buffer and the captures.
+bool is_shading_pass(std::string_view pass);
+
+/// What the graph holds after an execution; empty handles: not needed or not asked for.
+struct AdaptiveAaOutputs {
+    ImageHandle radiance; ///< rgba32f: linear radiance, share of samples that hit
+    ImageHandle first_sample, sample_count, winner, aov_surface, aov_material;
+    std::vector<ImageHandle> captures; ///< as in the parameters
+};
+
+/// Declares the graph. `in.gbuffer` is filled here.
+AdaptiveAaOutputs add_adaptive_aa(
+    Graph& graph, ShadingInputs in, const AdaptiveAaParams& params, std::uint32_t max_extent);
+
+/// The graph with its executor, for one camera. `device` and `scene` must outlive it.
+class AdaptiveAa {
+public:
+    /// Throws Error(input) for parameters out of range, Error(device) for want of memory.
+    AdaptiveAa(gpu::Device& device, const LitScene& scene, const Camera& camera,
+        const AdaptiveAaParams& params);
+
+    void execute() { executor_->execute(); }
+    const AdaptiveAaOutputs& outputs() const { return outputs_; }
+    Executor& executor() { return *executor_; }
+    /// R, G, B (linear radiance) and A of the last execution.
+    Image picture() { return executor_->read(outputs_.radiance); }
+    /// Samples that pixels took in all, and how often each count occurred: histogram[k - 1].
+    struct SampleCounts {
+        double percent = 0; ///< of all m * m samples, each pixel's first included
+        double mean = 0;    ///< k
+        std::vector<std::uint64_t> histogram;
+        /// Useful share of SIMD lanes, were the dispatch run in groups of `lanes`.
+        double lane_efficiency = 1;
+        /// percent, plus first samples that pixels with k = n shade a second time.
+        double shaded_percent = 0;
+    };
+    SampleCounts sample_counts(std::uint32_t lanes = 8);
+
+private:
+    AdaptiveAaParams params_;
+    AdaptiveAaOutputs outputs_;
+    std::unique_ptr<gpu::Buffer> frame_;
+    std::unique_ptr<Executor> executor_;
+};
+
+} // namespace ockham

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "passes/surface/first_sample.hpp"
+
+#include "shaders/surface/shade.h"
+
+namespace ockham {
+
+ImageHandle add_first_sample(Graph& graph, const ShadingInputs& in, const ShadingParams& params) {
+    samples_per_dispatch(in.scene.scene->facts(), params); // refuses what a kernel cannot finish
+    const ImageHandle image = graph.create_image("first_sample",
+        {.format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = params.width, .height = params.height});
+    PassBuilder pass = graph.add_compute_pass("first_sample");
+    pass.because(params.m == 1
+                     ? "m = 1: one sample per pixel is the picture"
+                     : "one shaded sample per pixel shows the metrics where shading varies");
+    read_shading(pass, in);
+    const ImageHandle out = pass.write("first_sample", image);
+    pass.record([in, params](Commands& commands) {
+        const shader::ShadePush push{.count = 1,
+            .first = 0,
+            .last = 1,
+            .stall = params.stall,
+            .anisotropy = static_cast<float>(params.anisotropy),
+            .loop_bound = 1};
+        const std::string shader = shading_variant("surface/first_sample.comp", "", in);
+        commands.dispatch_over({.shader = shader,
+                                   .specialization = light_specialization(in.scene.scene->facts()),
+                                   .push = as_push(push)},
+            {params.width, params.height, 1});
+    });
+    return out;
+}
+
+} // namespace ockham

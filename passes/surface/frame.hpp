@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything about one picture that its kernels share: camera, size, window width, sample order.
+// Builds the FrameData of shaders/shared/frame.h; pipelines upload it once per frame.
+#pragma once
+
+#include "framework/scene/scene.hpp"
+#include "shaders/shared/frame.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace ockham {
+
+/// The printed index matrices (Hollaender et al. 2013, figure 3) as a list: i-th sample taken ->
+/// index in the window, row-major. m = 1 ... 4; m = 8 by Bayer's recursion. Throws Error(input)
+/// for other m.
+std::vector<std::uint32_t> paper_order(int m);
+
+/// `width`, `height`: pixels. `m`: window width, 1 ... 8, order.size() == m * m.
+shader::FrameData make_frame(const Scene& scene, const Bounds& bounds, const Camera& camera,
+    int width, int height, int m, const std::vector<std::uint32_t>& order, int shadow_map_size);
+
+} // namespace ockham

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "passes/surface/shading_inputs.hpp"
+
+#include "framework/core/error.hpp"
+#include "passes/shader_variant.hpp"
+#include "shaders/surface/shade.h"
+
+namespace ockham {
+
+void read_shading(PassBuilder& pass, const ShadingInputs& in) {
+    const SceneFacts& facts = in.scene.scene->facts();
+    pass.read("frame", in.scene.frame)
+        .sample("gbuffer", in.gbuffer.surface)
+        .sample("gbuffer_depth", in.gbuffer.depth)
+        .read("materials", in.scene.handles.materials)
+        .read("lights", in.scene.handles.lights);
+    if (in.gbuffer.extra) pass.sample("gbuffer_extra", in.gbuffer.extra);
+    if (facts.color_textures) {
+        pass.sample("color_textures", in.scene.handles.color_textures, Stage::compute,
+            Filter::linear_repeat);
+    }
+    if (facts.shading_data_textures) {
+        pass.sample(
+            "data_textures", in.scene.handles.data_textures, Stage::compute, Filter::linear_repeat);
+    }
+    if (in.shadow_map) pass.sample("shadow_map", in.shadow_map);
+}
+
+std::string shading_variant(
+    std::string_view shader, std::string_view mode, const ShadingInputs& in) {
+    const SceneFacts& facts = in.scene.scene->facts();
+    return shader_variant(
+        shader, {{mode, !mode.empty()}, {"color_textures", facts.color_textures},
+                    {"data_textures", facts.shading_data_textures}, {"shadow", bool(in.shadow_map)},
+                    {"extra", facts.extra_target()}});
+}
+
+Specialization light_specialization(const SceneFacts& facts) {
+    return {{SPEC_DIRECTIONAL_LIGHTS, facts.directional_lights > 0},
+        {SPEC_POINT_LIGHTS, facts.point_lights > 0}, {SPEC_SPOT_LIGHTS, facts.spot_lights > 0}};
+}
+
+std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams& params) {
+    const std::uint32_t lookups =
+        2u * (facts.color_textures ? 1u : 0u) + 2u * (facts.shading_data_textures ? 1u : 0u);
+    return (params.stall + 15) / 16 + facts.directional_lights + facts.point_lights +
+           facts.spot_lights + lookups * params.anisotropy + 1;
+}
+
+std::uint32_t samples_per_dispatch(const SceneFacts& facts, const ShadingParams& params) {
+    const std::uint32_t iterations = iterations_per_sample(facts, params);
+    if (iterations > kIterationBudget) {
+        fail_input(
+            "one shaded sample would take {} loop iterations (stall {}, {} lights); the limit "
+            "is {}: use fewer lights or a shorter stall",
+            iterations, params.stall,
+            facts.directional_lights + facts.point_lights + facts.spot_lights, kIterationBudget);
+    }
+    return kIterationBudget / iterations;
+}
+
+} // namespace ockham

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the shading kernels (first_sample, shade) share: their inputs, how they are declared, and
+// which variant and specialisation a scene needs.
+#pragma once
+
+#include "passes/surface/gbuffer.hpp"
+
+#include <string>
+
+namespace ockham {
+
+struct ShadingInputs {
+    SceneInputs scene;
+    Gbuffer gbuffer;
+    ImageHandle shadow_map; ///< empty: no shadow
+};
+
+struct ShadingParams {
+    std::uint32_t width = 0, height = 0; ///< pixels
+    std::uint32_t m = 1;
+    std::uint32_t stall = 0;       ///< dependent FMAs per shaded sample
+    std::uint32_t anisotropy = 16; ///< most texture taps per lookup, 1 ... 16
+};
+
+/// Declares everything that shaders/surface/shade_sample.glsl reads.
+void read_shading(PassBuilder& pass, const ShadingInputs& in);
+/// `shader` with the scene's features; `mode`: an extra leading feature, or empty.
+std::string shading_variant(
+    std::string_view shader, std::string_view mode, const ShadingInputs& in);
+Specialization light_specialization(const SceneFacts& facts);
+
+/// Loop iterations of one shaded sample, at most: stall, lights and texture taps together.
+std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams& params);
+/// Iterations that one invocation may spend: software drivers stop a kernel silently at 65,535.
+inline constexpr std::uint32_t kIterationBudget = 50000;
+/// Samples that one invocation may shade within kIterationBudget. Throws Error(input) if not one.
+std::uint32_t samples_per_dispatch(const SceneFacts& facts, const ShadingParams& params);
+
+} // namespace ockham

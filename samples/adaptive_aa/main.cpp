@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// adaptive_aa: renders scenes with adaptive supersampling or a reference method, and reports what
+// it took. README.md beside this file has examples.
+#include "framework/app/cli.hpp"
+#include "framework/app/report.hpp"
+#include "framework/app/scene_source.hpp"
+#include "framework/core/error.hpp"
+#include "framework/core/file.hpp"
+#include "framework/core/log.hpp"
+#include "framework/core/timer.hpp"
+#include "framework/core/version.hpp"
+#include "framework/graph/dump.hpp"
+#include "framework/io/image_file.hpp"
+#include "passes/pipelines/adaptive_aa.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+using namespace ockham;
+
+namespace {
+
+struct Options {
+    CommonOptions common;
+    SceneOptions scene;
+    int m = 4;
+    std::string method = "adaptive";
+    int k = 1;
+    std::string metric = "paper";
+    std::string order = "paper";
+    std::string dispatch = "buckets";
+    std::string resolve = "prefix";
+    std::string gbuffer = "packed";
+    std::string preset = "paper";
+    MetricsParams metrics;
+    int stall = 0;
+    int anisotropy = 16;
+    bool aov = false;
+};
+
+void declare(Params& params, Options& o) {
+    add_scene_options(params, o.scene);
+    const char* kMethod = "Method";
+    const auto add = [&](const char* name, Param::Target target, const char* help) -> Param& {
+        return params.add(name, target, help).group(kMethod);
+    };
+    add("m", &o.m, "window width: m x m samples per pixel").range(1, 8);
+    add("method", &o.method, "anti-aliasing").choices({"none", "uniform", "ssaa", "adaptive"});
+    add("k", &o.k, "samples per pixel of --method uniform").range(1, 64);
+    add("preset", &o.preset, "all choices below at once").choices({"paper"});
+    add("metric", &o.metric, "what decides the samples per pixel").choices({"paper"});
+    add("c-depth", &o.metrics.depth_weight, "metric paper: weight of the depth variance")
+        .range(0, 1e9)
+        .unit("samples per squared scene unit");
+    add("c-normal", &o.metrics.normal_weight, "metric paper: weight of the normal cone")
+        .range(0, 1e9)
+        .unit("samples");
+    add("c-shading", &o.metrics.shading_weight, "metric paper: weight of the luma range")
+        .range(0, 1e9)
+        .unit("samples");
+    add("t-min", &o.metrics.range_min, "metric paper: luma ranges below count as flat").range(0, 1);
+    add("t-edge", &o.metrics.range_edge,
+        "metric paper: so do ranges below this share of the brightest")
+        .range(0, 1);
+    add("order", &o.order, "order of a window's samples").choices({"paper"});
+    add("dispatch", &o.dispatch, "how pixels meet their samples").choices({"loop", "buckets"});
+    add("resolve", &o.resolve, "how samples become a pixel").choices({"prefix"});
+    add("gbuffer", &o.gbuffer, "layout of the G-buffer").choices({"packed"});
+    add("anisotropy", &o.anisotropy, "most texture taps per lookup").range(1, 16);
+    add("stall", &o.stall,
+        "dependent multiply-adds per shaded sample, in sixteens: stands in for costly shading")
+        .range(0, 500000);
+    params.add("aov", &o.aov, "write k, winner, S, depth, normal, material as layers of an .exr")
+        .group("Reports");
+    add_common(params, o.common);
+}
+
+AdaptiveAaParams picture_params(const Options& o) {
+    AdaptiveAaParams p;
+    p.width = static_cast<std::uint32_t>(o.common.width);
+    p.height = static_cast<std::uint32_t>(o.common.height);
+    p.m = static_cast<std::uint32_t>(o.m);
+    p.method = o.method == "none"      ? AaMethod::none
+               : o.method == "uniform" ? AaMethod::uniform
+               : o.method == "ssaa"    ? AaMethod::ssaa
+                                       : AaMethod::adaptive;
+    p.k = static_cast<std::uint32_t>(o.k);
+    p.dispatch = o.dispatch == "loop" ? Dispatch::loop : Dispatch::buckets;
+    p.metrics = o.metrics;
+    p.stall = static_cast<std::uint32_t>(o.stall);
+    p.anisotropy = static_cast<std::uint32_t>(o.anisotropy);
+    p.aov = o.aov;
+    p.export_counts = true;
+    for (const auto& [name, file] : parse_captures(o.common)) p.captures.push_back(name);
+    return p;
+}
+
+/// Refuses unwritable outputs before anything is rendered.
+void check_outputs(const Options& o) {
+    std::vector<std::string> files{o.common.stats, o.common.plan};
+    if (!o.common.output.empty()) {
+        is_exr_path(o.common.output);
+        files.push_back(o.common.output);
+    }
+    for (const auto& [name, file] : parse_captures(o.common)) {
+        is_exr_path(file);
+        files.push_back(file);
+    }
+    if (o.aov && (o.common.output.empty() || !is_exr_path(o.common.output))) {
+        fail_input("--aov: layers need an .exr output; found '{}'", o.common.output);
+    }
+    if (!o.common.plan.empty()) check_plan_path(o.common.plan);
+    for (const std::string& file : files) {
+        if (!file.empty()) check_writable(file);
+    }
+}
+
+void add_layer(Image& picture, const Image& source, int channel, const std::string& name) {
+    const std::span<const float> from = source.plane(channel);
+    std::copy(from.begin(), from.end(), picture.add_channel(name).begin());
+}
+
+/// The picture, with the layers of --aov.
+Image collect_picture(AdaptiveAa& aa, const Options& o, const std::string& command) {
+    Image picture = aa.picture();
+    picture.metadata = {
+        {"ockham.version", version()}, {"ockham.commit", commit()}, {"ockham.command", command}};
+    if (!o.aov) return picture;
+    const AdaptiveAaOutputs& out = aa.outputs();
+    Executor& executor = aa.executor();
+    if (out.sample_count) add_layer(picture, executor.read(out.sample_count), 0, "k");
+    if (out.winner) add_layer(picture, executor.read(out.winner), 0, "winner");
+    if (out.first_sample) {
+        const Image s = executor.read(out.first_sample);
+        for (int c = 0; c < 3; ++c) add_layer(picture, s, c, fmt::format("S.{}", "RGB"[c]));
+    }
+    const Image surface = executor.read(out.aov_surface);
+    for (int c = 0; c < 3; ++c) add_layer(picture, surface, c, fmt::format("normal.{}", "XYZ"[c]));
+    add_layer(picture, surface, 3, "depth");
+    add_layer(picture, executor.read(out.aov_material), 0, "material");
+    return picture;
+}
+
+void print_summary(const FrameTimes& times, const AdaptiveAa::SampleCounts& counts,
+    const std::optional<ImageError>& error) {
+    fmt::print("gpu     {:9.2f} ms, shading {:.2f} ms (median of {})\n", times.total(),
+        times.total_of(is_shading_pass), times.frames());
+    fmt::print("samples {:9.2f} %, {:.2f} per pixel\n", counts.percent, counts.mean);
+    if (!error) return;
+    fmt::print("error   {:9.2f} dB PSNR (peak 1, sRGB), SSIM {:.4f}, FLIP {:.4f}, MSE {:.3g}, "
+               "largest {:.3f}\n",
+        error->psnr, error->ssim, error->flip.mean, error->mse, error->max);
+}
+
+int render(int argc, char** argv) {
+    Options o;
+    Params params;
+    declare(params, o);
+    if (const std::optional<int> done = parse_command_line(argc, argv,
+            "Renders scenes with adaptive supersampling for deferred shading.", params, o.common)) {
+        return *done;
+    }
+    check_outputs(o);
+    std::optional<Image> reference;
+    if (!o.common.reference.empty()) reference = load_image(o.common.reference);
+
+    const Timer wall;
+    Scene scene = load_scenes(o.scene, o.common);
+    gpu::Device device(device_options(o.common));
+    log::info("{} ({})", device.info().name, device.info().driver_version);
+    const LitScene lit(device, std::move(scene));
+    const Camera camera = choose_camera(o.common, lit.scene(), lit.gpu().bounds());
+    const AdaptiveAaParams picture = picture_params(o);
+    AdaptiveAa aa(device, lit, camera, picture);
+    const Graph& graph = aa.executor().graph();
+    if (!o.common.plan.empty())
+        write_plan(o.common.plan, graph.declaration(), aa.executor().plan());
+    if (o.common.explain) fmt::print("{}", explain(graph.declaration(), aa.executor().plan()));
+    log::info("{} triangles, {} lights; scene {} MiB, graph {} MiB", lit.gpu().facts().triangles,
+        lit.scene().lights.size(), lit.gpu().bytes() >> 20, aa.executor().plan().bytes_peak >> 20);
+
+    FrameTimes times;
+    if (!o.common.stats.empty()) aa.execute(); // warms up: compiles kernels, touches memory
+    Progress progress("frame", static_cast<std::size_t>(o.common.frames), o.common.quiet);
+    for (int frame = 0; frame < o.common.frames; ++frame) {
+        if (interrupted()) return 130;
+        aa.execute();
+        times.add(aa.executor().times());
+        progress.update(static_cast<std::size_t>(frame) + 1);
+    }
+    const std::vector<std::string> messages = device.validation_messages();
+    if (!messages.empty())
+        fail_device("validation found {} problems, first: {}", messages.size(), messages.front());
+
+    const std::string command = command_text(argc, argv);
+    const Image result = collect_picture(aa, o, command);
+    if (!o.common.output.empty()) {
+        save_image(o.common.output, result, o.common.exposure,
+            o.common.tonemap == "aces" ? Tonemap::aces : Tonemap::none);
+        log::info("wrote {}", o.common.output);
+    }
+    const auto captures = parse_captures(o.common);
+    for (std::size_t i = 0; i < captures.size(); ++i) {
+        write_capture(captures[i].second, aa.executor().read(aa.outputs().captures[i]));
+        log::info("wrote {}", captures[i].second);
+    }
+
+    const AdaptiveAa::SampleCounts counts = aa.sample_counts();
+    std::optional<ImageError> error;
+    if (reference) error = image_error(result, *reference);
+    print_summary(times, counts, error);
+    if (!o.common.stats.empty()) {
+        nlohmann::ordered_json json = statistics(device, aa.executor().plan(), times);
+        json["command"] = command;
+        json["width"] = o.common.width;
+        json["height"] = o.common.height;
+        json["wall_ms"] = wall.milliseconds();
+        json["shading_gpu_ms"] = times.total_of(is_shading_pass);
+        json["samples"] = {{"percent", counts.percent}, {"mean_k", counts.mean},
+            {"histogram", counts.histogram}, {"lane_efficiency", counts.lane_efficiency},
+            {"shaded_percent", counts.shaded_percent}};
+        if (error) json["image"] = to_json(*error);
+        write_text(o.common.stats, json.dump(2) + "\n");
+        log::info("wrote {}", o.common.stats);
+    }
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_program([&] { return render(argc, argv); });
+}

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// Display encoding and luma. Everything else in the shaders is linear radiance.
+
+/// sRGB transfer function (IEC 61966-2-1) of clamped linear colour.
+vec3 srgb_encode(vec3 linear) {
+    vec3 c = clamp(linear, 0.0, 1.0);
+    return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
+}
+
+/// Rec. 709 luma of display-encoded colour, in [0,1].
+float luma(vec3 linear) { return dot(srgb_encode(linear), vec3(0.2126, 0.7152, 0.0722)); }

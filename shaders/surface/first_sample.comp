@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// reads the G-buffer; writes S: the first sample of each pixel, shaded for the whole pixel.
+// Hollaender et al. 2013, section 3.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+#include "surface/shade_sample.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(binding = 9, rgba32f) uniform writeonly image2D first_sample;
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, ivec2(frame.data.size)))) return;
+    vec4 radiance = shade_sample(sample_position(pixel, frame.data.order[0]), float(frame.data.m));
+    imageStore(first_sample, pixel, radiance);
+}

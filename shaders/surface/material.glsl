@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Materials, and texture coordinates moved and wrapped as a material asks.
+
+#include "shared/scene.h"
+
+vec2 map_uv(UvMap map, vec2 uv0, vec2 uv1) {
+    vec3 uv = vec3(map.set == 0u ? uv0 : uv1, 1.0);
+    return vec2(dot(map.u, uv), dot(map.v, uv));
+}
+
+/// Wrap modes on top of a repeating sampler: clamped and mirrored coordinates are folded into
+/// [0,1], a hair inside, so that a filter at the border meets as little of the other side as can be.
+float wrap_coordinate(float x, uint mode) {
+    if (mode == 1u) return clamp(x, 1.0 / 4096.0, 1.0 - 1.0 / 4096.0);
+    if (mode == 2u) {
+        float t = abs(x - 2.0 * floor(0.5 * x) - 1.0);
+        return clamp(1.0 - t, 1.0 / 4096.0, 1.0 - 1.0 / 4096.0);
+    }
+    return x;
+}
+
+vec2 wrap_uv(UvMap map, vec2 uv) {
+    return vec2(wrap_coordinate(uv.x, map.wrap & 3u), wrap_coordinate(uv.y, map.wrap >> 2));
+}

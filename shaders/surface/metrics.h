@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Constants of the paper's metrics.
+#ifndef OCKHAM_SHADERS_SURFACE_METRICS_H
+#define OCKHAM_SHADERS_SURFACE_METRICS_H
+
+#include "shared/types.h"
+
+OCKHAM_SHARED_BEGIN
+
+struct MetricsPush {
+    float depth_weight;   ///< c_d, samples per squared world unit
+    float normal_weight;  ///< c_n, samples
+    float shading_weight; ///< c_s, samples per unit of luma
+    float range_min;      ///< t_min
+    float range_edge;     ///< t_edge
+};
+
+// Which metric asked for the most samples.
+#define WINNER_NONE 0u
+#define WINNER_DEPTH 1u
+#define WINNER_NORMAL 2u
+#define WINNER_SHADING 3u
+
+OCKHAM_SHARED_END
+
+#endif

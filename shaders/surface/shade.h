@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parameters of the shading kernels: first_sample and shade.
+#ifndef OCKHAM_SHADERS_SURFACE_SHADE_H
+#define OCKHAM_SHADERS_SURFACE_SHADE_H
+
+#include "shared/types.h"
+
+OCKHAM_SHARED_BEGIN
+
+struct ShadePush {
+    uint count;   ///< k, samples per pixel; unused where a map gives it
+    uint first;   ///< this dispatch sums the samples first ... last-1 of each pixel
+    uint last;
+    uint stall;   ///< dependent FMAs per shaded sample, rounded up to whole iterations of 16
+    float anisotropy; ///< most texture taps per lookup
+    uint loop_bound;  ///< most shaded samples per invocation: the host proves it suffices
+};
+
+// Specialisation: light types that the scene has.
+#define SPEC_DIRECTIONAL_LIGHTS 0
+#define SPEC_POINT_LIGHTS 1
+#define SPEC_SPOT_LIGHTS 2
+
+OCKHAM_SHARED_END
+
+#endif

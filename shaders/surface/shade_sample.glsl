@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+// shade_sample: radiance towards the camera from one sample of the G-buffer, by all lights.
+// Shared by first_sample.comp and shade.comp, so that their results are equal bit for bit.
+
+#include "include/bsdf.glsl"
+#include "include/footprint.glsl"
+#include "shared/frame.h"
+#include "surface/material.glsl"
+#include "surface/shade.h"
+
+layout(constant_id = SPEC_DIRECTIONAL_LIGHTS) const bool kDirectionalLights = true;
+layout(constant_id = SPEC_POINT_LIGHTS) const bool kPointLights = true;
+layout(constant_id = SPEC_SPOT_LIGHTS) const bool kSpotLights = true;
+
+layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+#include "surface/surface_sample.glsl"
+layout(scalar, binding = 4) readonly buffer Materials { MaterialData items[]; } materials;
+layout(scalar, binding = 5) readonly buffer Lights { LightData items[]; } lights;
+#ifdef COLOR_TEXTURES
+layout(binding = 6) uniform sampler2DArray color_textures;
+#endif
+#ifdef DATA_TEXTURES
+layout(binding = 7) uniform sampler2DArray data_textures;
+#endif
+#ifdef SHADOW
+layout(binding = 8) uniform sampler2D shadow_map;
+#endif
+
+layout(push_constant, scalar) uniform Push { ShadePush push; };
+
+/// True where the straight continuation of `s` by `offset` samples meets other material or
+/// coordinates: a footprint must not reach across (Hollaender et al. 2013, section 4.1).
+bool discontinuous(ivec2 position, SurfaceSample s, ivec2 offset) {
+    ivec2 other_position = position + offset;
+    if (texelFetch(gbuffer_depth, other_position, 0).x <= 0.0) return true;
+    uvec4 other = texelFetch(gbuffer, other_position, 0);
+    if (unpack_material(other) != s.material) return true;
+    vec2 step = vec2(offset.x) * s.coordinates[0].gradient_x + vec2(offset.y) * s.coordinates[0].gradient_y;
+    vec2 difference = unpack_coordinates(other.yzw).uv - s.coordinates[0].uv - step;
+    difference -= round(difference);
+    return length(difference) > 0.5 * length(step) + 4.0 / 1048576.0;
+}
+
+/// Factors by which the sample's own footprint is widened along x and y.
+vec2 footprint_scale(ivec2 position, SurfaceSample s, float widening) {
+    if (widening <= 1.0) return vec2(1.0);
+    int m = int(frame.data.m);
+    ivec2 local = position % m;
+    ivec2 far_side = mix(ivec2(0), ivec2(m - 1), lessThan(2 * local, ivec2(m))) - local;
+    return vec2(discontinuous(position, s, ivec2(far_side.x, 0)) ? 1.0 : widening,
+        discontinuous(position, s, ivec2(0, far_side.y)) ? 1.0 : widening);
+}
+
+#if defined(COLOR_TEXTURES) || defined(DATA_TEXTURES)
+vec4 lookup(sampler2DArray image, TextureRef texture_ref, SurfaceSample s, vec2 scale) {
+    TextureCoordinates c = s.coordinates[texture_ref.slot];
+    return sample_footprint(image, texture_ref.layer, texture_ref.size, c.uv, c.gradient_x * scale.x,
+        c.gradient_y * scale.y, push.anisotropy);
+}
+#endif
+
+#ifdef SHADOW
+/// Share of the sun that arrives: four nearest depths, compared, then interpolated.
+float sun_visibility(vec3 world, vec3 normal, float n_l) {
+    float slope = sqrt(clamp(1.0 - n_l * n_l, 0.0, 1.0));
+    vec3 lifted = world + normal * (frame.data.sun_texel * (0.5 + 2.0 * slope));
+    vec4 p = frame.data.sun_projection * vec4(lifted, 1.0);
+    vec2 size = vec2(textureSize(shadow_map, 0));
+    vec2 texel = (0.5 * p.xy + 0.5) * size - 0.5;
+    ivec2 base = ivec2(floor(texel));
+    vec2 weight = texel - vec2(base);
+    ivec2 limit = ivec2(size) - 1;
+    ivec2 low = clamp(base, ivec2(0), limit);
+    ivec2 high = clamp(base + 1, ivec2(0), limit);
+    float lit00 = float(p.z >= texelFetch(shadow_map, low, 0).x);
+    float lit10 = float(p.z >= texelFetch(shadow_map, ivec2(high.x, low.y), 0).x);
+    float lit01 = float(p.z >= texelFetch(shadow_map, ivec2(low.x, high.y), 0).x);
+    float lit11 = float(p.z >= texelFetch(shadow_map, high, 0).x);
+    return mix(mix(lit00, lit10, weight.x), mix(lit01, lit11, weight.x), weight.y);
+}
+#endif
+
+/// Distance fall-off and window of a point or spot light (scene/light.hpp).
+float attenuation(LightData light, float distance2) {
+    float x = distance2 * light.inverse_range_squared;
+    float window = max(1.0 - (light.window_half_power > 1.0 ? x * x : x), 0.0);
+    return window / max(distance2 + light.softening, 1e-6);
+}
+
+/// Dependent multiply-adds that cost time and change nothing: stands in for an expensive shader.
+/// The factor returned is 1 for every input, which no compiler can know.
+float stall() {
+    float x = frame.data.near_distance;
+    uint iterations = (push.stall + 15u) / 16u;
+    for (uint i = 0u; i < iterations; ++i) {
+        x = fma(x, 0.999, 1e-3); x = fma(x, 0.998, 2e-3); x = fma(x, 0.997, 3e-3); x = fma(x, 0.996, 4e-3);
+        x = fma(x, 0.995, 5e-3); x = fma(x, 0.994, 6e-3); x = fma(x, 0.993, 7e-3); x = fma(x, 0.992, 8e-3);
+        x = fma(x, 0.991, 9e-3); x = fma(x, 0.990, 1e-2); x = fma(x, 0.989, 1e-2); x = fma(x, 0.988, 1e-2);
+        x = fma(x, 0.987, 1e-2); x = fma(x, 0.986, 1e-2); x = fma(x, 0.985, 1e-2); x = fma(x, 0.984, 1e-2);
+    }
+    return x < -1.0 ? 0.0 : 1.0;
+}
+
+/// `position`: of the sample in the G-buffer. `widening`: how much wider than one sample, per
+/// axis, the part of the pixel is that this sample stands for: m / sqrt(k).
+/// Returns linear radiance, and 1 where a surface is hit, 0 on background.
+vec4 shade_sample(ivec2 position, float widening) {
+    SurfaceSample s = fetch_surface(position);
+    float unstalled = stall();
+    if (s.depth <= 0.0) return vec4(frame.data.background * unstalled, 0.0);
+
+    MaterialData material = materials.items[s.material];
+    vec4 base_color = material.base_color;
+    base_color.rgb *= s.color;
+    vec3 emissive = material.emissive;
+    float metallic = material.metallic;
+    float roughness = material.roughness;
+    float occlusion = 1.0;
+#if defined(COLOR_TEXTURES) || defined(DATA_TEXTURES)
+    vec2 scale = footprint_scale(position, s, widening);
+#endif
+#ifdef COLOR_TEXTURES
+    if (material.base_color_texture.layer >= 0)
+        base_color *= lookup(color_textures, material.base_color_texture, s, scale);
+    if (material.emissive_texture.layer >= 0)
+        emissive *= lookup(color_textures, material.emissive_texture, s, scale).rgb;
+#endif
+#ifdef DATA_TEXTURES
+    if (material.metallic_roughness_texture.layer >= 0) {
+        vec4 t = lookup(data_textures, material.metallic_roughness_texture, s, scale);
+        roughness *= t.g;
+        metallic *= t.b;
+    }
+    if (material.occlusion_texture.layer >= 0) {
+        float t = lookup(data_textures, material.occlusion_texture, s, scale).r;
+        occlusion = 1.0 + material.occlusion_strength * (t - 1.0);
+    }
+#endif
+    if ((material.flags & MATERIAL_UNLIT) != 0u) return vec4(base_color.rgb * unstalled, 1.0);
+
+    Surface surface = make_surface(base_color.rgb, metallic, roughness, material.reflectance);
+    vec3 world = sample_world(position, view_depth(s.depth));
+    vec3 v = to_camera(world);
+    vec3 n = s.normal;
+    vec3 radiance = emissive + frame.data.ambient * occlusion * (surface.diffuse + surface.reflectance);
+
+    uint light = 0u;
+    if (kDirectionalLights) {
+        for (; light < frame.data.directional_count; ++light) {
+            vec3 l = lights.items[light].to_light;
+            float visible = 1.0;
+#ifdef SHADOW
+            if (light == 0u) visible = sun_visibility(world, n, dot(n, l));
+#endif
+            radiance += visible * lights.items[light].intensity * reflect_light(surface, n, v, l);
+        }
+    }
+    if (kPointLights) {
+        uint end = light + frame.data.point_count;
+        for (; light < end; ++light) {
+            vec3 to_light = lights.items[light].position - world;
+            float distance2 = dot(to_light, to_light);
+            vec3 l = to_light * inversesqrt(max(distance2, 1e-12));
+            radiance += attenuation(lights.items[light], distance2) * lights.items[light].intensity *
+                        reflect_light(surface, n, v, l);
+        }
+    }
+    if (kSpotLights) {
+        uint end = light + frame.data.spot_count;
+        for (; light < end; ++light) {
+            vec3 to_light = lights.items[light].position - world;
+            float distance2 = dot(to_light, to_light);
+            vec3 l = to_light * inversesqrt(max(distance2, 1e-12));
+            float cone = clamp(dot(l, lights.items[light].to_light) * lights.items[light].cone_scale +
+                                   lights.items[light].cone_offset, 0.0, 1.0);
+            radiance += attenuation(lights.items[light], distance2) * cone * cone *
+                        lights.items[light].intensity * reflect_light(surface, n, v, l);
+        }
+    }
+    return vec4(radiance * unstalled, 1.0);
+}
+
+/// Position in the G-buffer of a sample of a pixel's window.
+ivec2 sample_position(ivec2 pixel, uint index) {
+    uint m = frame.data.m;
+    return pixel * int(m) + ivec2(index % m, index / m);
+}

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// reads vertices, instances, frame; writes the position seen from the sun, and what an alpha test
+// needs.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+#include "surface/vertex.glsl"
+
+layout(location = 0) out vec2 out_uv0;
+layout(location = 1) out vec2 out_uv1;
+layout(location = 2) out float out_alpha;
+
+void main() {
+    InstanceData instance = instances.items[gl_InstanceIndex];
+    uint base = uint(gl_VertexIndex) * kVertexStride;
+    gl_Position = frame.data.sun_projection * vec4(to_world(instance, vertex_vec3(base)), 1.0);
+    out_uv0 = kUv0Offset == ATTRIBUTE_ABSENT ? vec2(0.0) : vertex_vec2(base + kUv0Offset);
+    out_uv1 = kUv1Offset == ATTRIBUTE_ABSENT ? vec2(0.0) : vertex_vec2(base + kUv1Offset);
+    out_alpha = kColorOffset == ATTRIBUTE_ABSENT ? 1.0 : vertex_vec4(base + kColorOffset).a;
+}
