@@ -140,6 +140,12 @@ public:
         return model_.accessors[index];
     }
 
+    /// True if it has neither a view nor sparse elements: such an accessor is valid, and all zeros.
+    bool all_zero(int index) const {
+        const tinygltf::Accessor& source = accessor(index);
+        return source.bufferView == file_.zeros_view && !source.sparse.isSparse;
+    }
+
     /// False if it lies in a buffer that the file gives no data for.
     bool has_data(int index) const {
         const tinygltf::Accessor& source = accessor(index);
@@ -502,10 +508,13 @@ private:
             findings_.fatal("{}: the file has more than {} vertices", where, kMaxVertices);
         }
         refuse_not_finite(primitive.positions, where);
-        if (const auto found = attribute(source, where, "NORMAL", normal)) {
+        // Directions that are all zero are as good as none.
+        if (const auto found = attribute(source, where, "NORMAL", normal);
+            found && !reader_.all_zero(*found)) {
             primitive.normals = reader_.floats<glm::vec3>(*found);
         }
-        if (const auto found = attribute(source, where, "TANGENT", tangent)) {
+        if (const auto found = attribute(source, where, "TANGENT", tangent);
+            found && !reader_.all_zero(*found)) {
             primitive.tangents = reader_.floats<glm::vec4>(*found);
         }
         for (int set = 0; set < 2; ++set) {

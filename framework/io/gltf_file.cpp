@@ -123,6 +123,26 @@ Container open_container(std::span<const std::byte> bytes, const GltfFindings& f
     return container;
 }
 
+/// True if the text nests deeper than kMaxJsonDepth. (The parser could tell in a callback, but
+/// takes quadratic time then.)
+bool is_too_deep(std::string_view text) {
+    int depth = 0;
+    bool in_string = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_string && c == '\\') {
+            ++i;
+        } else if (c == '"') {
+            in_string = !in_string;
+        } else if (!in_string && (c == '{' || c == '[')) {
+            if (++depth > kMaxJsonDepth) return true;
+        } else if (!in_string && (c == '}' || c == ']')) {
+            --depth;
+        }
+    }
+    return false;
+}
+
 json parse_json(std::string_view text, const GltfFindings& findings) {
     if (text.starts_with("\xEF\xBB\xBF")) {
         findings.tolerate("the JSON begins with a byte order mark");
@@ -133,14 +153,11 @@ json parse_json(std::string_view text, const GltfFindings& findings) {
         findings.fatal(
             "it is no glTF: it begins neither with 'glTF' (binary) nor with '{{' (JSON)");
     }
-    const auto refuse_depth = [&](int depth, json::parse_event_t, json&) {
-        if (depth > kMaxJsonDepth) {
-            findings.fatal("the JSON is nested deeper than {} levels", kMaxJsonDepth);
-        }
-        return true;
-    };
+    if (is_too_deep(text)) {
+        findings.fatal("the JSON is nested deeper than {} levels", kMaxJsonDepth);
+    }
     try {
-        return json::parse(text, refuse_depth);
+        return json::parse(text);
     } catch (const json::exception& error) {
         // The library's text begins with a code in brackets and ends with the bad input.
         std::string reason = error.what();

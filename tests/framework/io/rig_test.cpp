@@ -153,15 +153,5 @@ TEST_F(RigTest, ApplyReplacesWhatItHas) {
     EXPECT_EQ(scene.ambient, glm::vec3(0.125f, 0.0f, 0.0f));
 }
 
-#ifdef OCKHAM_DATA_DIR
-TEST_F(RigTest, StandardRigOfSponza) {
-    const Rig rig = load_rig(fs::path(OCKHAM_DATA_DIR) / "scenes/sponza-dabrovic/rig.json");
-    ASSERT_TRUE(rig.camera);
-    EXPECT_EQ(rig.camera->position, glm::vec3(-11.5f, 2.6f, 0.35f));
-    EXPECT_EQ(rig.lights.size(), 25u);
-    EXPECT_TRUE(warnings_.empty());
-}
-#endif
-
 } // namespace
 } // namespace ockham
