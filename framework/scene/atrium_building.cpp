@@ -290,7 +290,8 @@ Mesh shell_mesh(const Materials& m) {
             {side * out_x + 0.17, 11.13, out_z - 0.1});
     }
     Shape earth(m.earth);
-    add_quad(earth, {-60, -0.25, 50}, {60, -0.25, 50}, {60, -0.25, -50}, {-60, -0.25, -50});
+    // Narrow, for shadow maps cover the bounds of a scene.
+    add_quad(earth, {-17, -0.25, 8}, {17, -0.25, 8}, {17, -0.25, -8}, {-17, -0.25, -8});
     return {"shell", {paving.take(), quarry.take(), roof.take(), brick.take(), tiles.take(),
                          coping.take(), earth.take()}};
 }
