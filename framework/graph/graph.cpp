@@ -268,27 +268,28 @@ ResourceId Graph::find(std::string_view name, ResourceKind kind) const {
     return found == all.end() ? kNone : static_cast<ResourceId>(found - all.begin());
 }
 
-bool Graph::accept(const std::string& user, ResourceId resource, std::uint32_t version) {
-    if (resource >= versions_.size() || version > versions_[resource]) {
+bool Graph::is_newest(ResourceId resource, std::uint32_t version) const {
+    return resource < versions_.size() && version == versions_[resource];
+}
+
+void Graph::refuse_handle(const std::string& user, ResourceId resource, std::uint32_t version) {
+    if (resource >= versions_.size() || version > versions_[resource])
         misuse("invalid-handle",
             fmt::format("{} uses a handle that names nothing in this graph; create or import the "
                         "resource here and pass on the handle that returns",
                 user));
-        return false;
-    }
-    if (version != versions_[resource])
+    else
         misuse("stale-handle",
             fmt::format("{} uses version {} of {}, whose newest version is {}; use the handle that "
                         "the last write returned",
                 user, version, describe(declaration_.resources[resource]), versions_[resource]));
-    return true;
 }
 
 std::uint32_t Graph::use(PassId pass, ResourceId resource, std::uint32_t version, Use use) {
     PassDecl& user = declaration_.passes[pass];
-    const bool named = resource < versions_.size() && version <= versions_[resource];
-    if (!named || version != versions_[resource]) {
-        if (!accept(describe(user), resource, version)) return version;
+    if (!is_newest(resource, version)) {
+        refuse_handle(describe(user), resource, version);
+        return version;
     }
     if (pass + 1 != declaration_.passes.size()) {
         misuse("closed-pass",
@@ -307,7 +308,10 @@ std::uint32_t Graph::use(PassId pass, ResourceId resource, std::uint32_t version
 }
 
 void Graph::add_export(ResourceId resource, std::uint32_t version, std::string why) {
-    if (!accept(fmt::format("the export '{}'", why), resource, version)) return;
+    if (!is_newest(resource, version)) {
+        refuse_handle(fmt::format("the export '{}'", why), resource, version);
+        return;
+    }
     declaration_.resources[resource].exported = true;
     declaration_.resources[resource].export_reason = std::move(why);
 }

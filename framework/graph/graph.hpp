@@ -124,8 +124,8 @@ private:
     PassId add_pass(std::string name, PassKind kind, std::source_location where);
     ResourceId add_resource(ResourceDecl resource);
     ResourceId find(std::string_view name, ResourceKind kind) const;
-    /// Records a misuse unless the handle is the newest of its resource; false if it names none.
-    bool accept(const std::string& user, ResourceId resource, std::uint32_t version);
+    bool is_newest(ResourceId resource, std::uint32_t version) const;
+    void refuse_handle(const std::string& user, ResourceId resource, std::uint32_t version);
     std::uint32_t use(PassId pass, ResourceId resource, std::uint32_t version, Use use);
     void add_export(ResourceId resource, std::uint32_t version, std::string why);
     void misuse(const char* code, std::string text);
