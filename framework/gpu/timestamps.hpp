@@ -21,9 +21,9 @@ public:
 
     /// Outside render passes, before the first write of each submission.
     void reset(VkCommandBuffer commands) const;
-    /// Timestamp `index`, once all commands before are done. Outside render passes. What follows
-    /// starts after it: without a barrier lavapipe times whatever it had deferred. With
-    /// Validation::sync the barrier carries no dependency, so that it hides no hazard.
+    /// Timestamp `index`, once all commands before are done; outside render passes. A barrier of
+    /// everything follows, without which lavapipe times whatever it had deferred. Not under
+    /// Validation::sync, where it would hide missing barriers; times mean little there.
     void write(VkCommandBuffer commands, std::uint32_t index) const;
     /// Nanoseconds of the timestamps of the last submission, which must be over and have written
     /// them all. Only differences mean something.

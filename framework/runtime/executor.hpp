@@ -47,12 +47,13 @@ public:
     void bind(BufferHandle handle, const gpu::Buffer& buffer);
     void bind(ImageHandle handle, const gpu::Image& image);
 
-    /// Records, submits and waits for one execution. Recording functions run each time, so what
-    /// they capture may change in between; the plan, pipelines and memory stay. Throws Error(input)
-    /// for what is not bound or wrongly recorded, and Error(device) where the device is lost or
-    /// full.
+    /// Records, submits and waits for one execution. Recording functions run each time (twice under
+    /// Validation::sync), so what they capture may change in between; the plan, pipelines and
+    /// memory stay. Throws Error(input) for what is not bound or wrongly recorded, and
+    /// Error(device) where the device is lost or full.
     void execute();
-    /// GPU times of the passes of the last execution, in order.
+    /// GPU times of the passes of the last execution, in order. Under Validation::sync they are
+    /// there but mean little.
     const std::vector<PassTime>& times() const;
 
     /// Content of an exported, persistent or external resource after execute(). Error(input) for
