@@ -11,8 +11,8 @@
 namespace ockham {
 
 struct LiveRange {
-    std::uint64_t bytes = 0;     ///< a multiple of no particular number, >= 1
-    std::uint64_t alignment = 1; ///< of the offset; a power of two or not, >= 1
+    std::uint64_t bytes = 0;     ///< >= 1
+    std::uint64_t alignment = 1; ///< of the offset; >= 1, any number
     std::uint32_t first = 0;     ///< inclusive steps
     std::uint32_t last = 0;
 };

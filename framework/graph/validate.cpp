@@ -38,6 +38,19 @@ bool is_transfer(Access access) {
     return access == Access::transfer_read || access == Access::transfer_write;
 }
 
+/// Copies are illegal inside render passes; attachments and vertices make sense only there.
+bool may_access(PassKind kind, Access access) {
+    switch (kind) {
+    case PassKind::compute:
+        return !is_attachment(access) && access != Access::vertex && access != Access::index;
+    case PassKind::raster:
+        return !is_transfer(access);
+    case PassKind::transfer:
+        return is_transfer(access);
+    }
+    return false;
+}
+
 /// Checks one declaration, front to back.
 class Validator {
 public:
@@ -140,23 +153,17 @@ private:
     /// Whether a pass of this kind can make this access, in this stage, of this kind of resource.
     void check_kind(const PassDecl& pass, const Use& use, const ResourceDecl& resource) const {
         const bool image = resource.kind == ResourceKind::image;
-        const bool fits = image ? image_usage(use.access) != 0 : buffer_usage(use.access) != 0;
-        if (!fits && use.access != Access::host_read)
+        if (image ? image_usage(use.access) == 0 : buffer_usage(use.access) == 0)
             fail("wrong-access", "{} uses {} as {}, which {} cannot be", describe(pass),
                 describe(resource), name_of(use.access), image ? "an image" : "a buffer");
-        const bool raster = pass.kind == PassKind::raster;
-        const bool raster_only = is_attachment(use.access) || use.access == Access::vertex ||
-                                 use.access == Access::index;
-        const bool allowed = pass.kind == PassKind::transfer ? is_transfer(use.access)
-                             : raster                        ? !is_transfer(use.access)
-                                                             : !raster_only;
-        if (!allowed || use.access == Access::host_read)
+        if (!may_access(pass.kind, use.access))
             fail("wrong-access", "{} is a {} pass and uses {} as {}; move that to another pass",
                 describe(pass), name_of(pass.kind), describe(resource), name_of(use.access));
-        const bool in_raster_stage = use.stage == Stage::vertex || use.stage == Stage::fragment;
-        const bool stage_fits =
-            in_shader(use.access) ? (raster ? in_raster_stage : use.stage == Stage::compute) : true;
-        if (!stage_fits)
+        if (!in_shader(use.access)) return;
+        const bool raster = pass.kind == PassKind::raster;
+        const bool fits = raster ? use.stage == Stage::vertex || use.stage == Stage::fragment
+                                 : use.stage == Stage::compute;
+        if (!fits)
             fail("wrong-stage", "{} is a {} pass and uses {} in the {} stage; name {}",
                 describe(pass), name_of(pass.kind), describe(resource), name_of(use.stage),
                 raster ? "Stage::vertex or Stage::fragment" : "Stage::compute");
