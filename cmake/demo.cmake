@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -P cmake/demo.cmake : installs what is missing, builds the samples (preset release) and
+# renders the built-in atrium with every method of adaptive_aa. Pictures and tables: build/demo/
+#   cmake -DSETUP_ONLY=1 -P cmake/demo.cmake    installs and stops
+include(${CMAKE_CURRENT_LIST_DIR}/setup.cmake)
+if(SETUP_ONLY)
+  return()
+endif()
+
+set(samples hello_graph adaptive_aa aa_table compare)
+ockham_step(${CMAKE_COMMAND} --preset release)
+ockham_step(${CMAKE_COMMAND} --build --preset release --parallel ${cores} --target ${samples})
+
+set(out ${OCKHAM_ROOT}/build/demo)
+set(written)
+file(MAKE_DIRECTORY ${out})
+
+# On standard output, like what the samples print, so that a log has both in order.
+function(say)
+  execute_process(COMMAND ${CMAKE_COMMAND} -E echo "${ARGV0}")
+endfunction()
+
+function(now_ms result)
+  string(TIMESTAMP us "%s%f")
+  math(EXPR ms "${us} / 1000")
+  set(${result} ${ms} PARENT_SCOPE)
+endfunction()
+
+# demo("what it shows" WRITES names... RUN sample arguments...) : runs a sample in build/demo, so
+# that names need no folder, shows and keeps what it prints, and stops unless every name was written.
+function(demo title)
+  cmake_parse_arguments(arg "" "" "WRITES;RUN" ${ARGN})
+  list(JOIN arg_RUN " " command)
+  list(POP_FRONT arg_RUN sample)
+  say("\n== ${title}\n$ ${command}")
+  list(TRANSFORM arg_WRITES PREPEND ${out}/ OUTPUT_VARIABLE files)
+  file(REMOVE ${files})
+  now_ms(start)
+  execute_process(COMMAND ${OCKHAM_ROOT}/build/release/bin/${sample} ${arg_RUN}
+    WORKING_DIRECTORY ${out} RESULT_VARIABLE result
+    OUTPUT_VARIABLE text ECHO_OUTPUT_VARIABLE)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "failed (${result}): ${command}")
+  endif()
+  now_ms(end)
+  foreach(name IN LISTS arg_WRITES)
+    if(name MATCHES "\\.txt$")
+      file(WRITE ${out}/${name} "${text}")
+    elseif(NOT EXISTS ${out}/${name})
+      message(FATAL_ERROR "not written: ${out}/${name}")
+    endif()
+  endforeach()
+  math(EXPR tenths "(${end} - ${start} + 50) / 100")
+  math(EXPR seconds "${tenths} / 10")
+  math(EXPR tenths "${tenths} % 10")
+  list(JOIN arg_WRITES ", " names)
+  say("wrote ${names} in ${seconds}.${tenths} s")
+  set(written ${written} ${arg_WRITES} PARENT_SCOPE)
+endfunction()
+
+demo("A graph of two passes, its plan and times"
+  WRITES hello_graph.txt RUN hello_graph)
+demo("Reference: 4 x 4 shaded samples per pixel, linear"
+  WRITES atrium_reference.exr RUN adaptive_aa --method ssaa -o atrium_reference.exr)
+demo("Reference, for the eye"
+  WRITES atrium_reference.png RUN adaptive_aa --method ssaa -o atrium_reference.png)
+demo("No anti-aliasing: 1 shaded sample per pixel"
+  WRITES atrium_none.png atrium_none.json
+  RUN adaptive_aa --method none -o atrium_none.png
+    --reference atrium_reference.exr --stats atrium_none.json)
+demo("Adaptive: as many shaded samples as each pixel needs, and how many those are"
+  WRITES atrium_adaptive.png atrium_k.png atrium_adaptive.json
+  RUN adaptive_aa -o atrium_adaptive.png --capture sample_count=atrium_k.png
+    --reference atrium_reference.exr --stats atrium_adaptive.json)
+demo("Adaptive against reference; error x 10"
+  WRITES atrium_error_x10.png atrium_side_by_side.png atrium_compare.txt
+  RUN compare atrium_adaptive.png atrium_reference.png --scale 10
+    --error-map atrium_error_x10.png --side-by-side atrium_side_by_side.png)
+demo("Cost and error of every method; a quarter of the pixels, for it renders each 8 times"
+  WRITES aa_table.md aa_table.csv RUN aa_table --width 512 --height 384 --out aa_table)
+
+say("\nLook in ${out}:")
+foreach(name IN LISTS written)
+  file(SIZE ${out}/${name} bytes)
+  math(EXPR kib "(${bytes} + 1023) / 1024")
+  say("  ${name} (${kib} KiB)")
+endforeach()
