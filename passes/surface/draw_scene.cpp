@@ -18,8 +18,8 @@ Specialization vertex_specialization(const VertexLayout& layout) {
         {SPEC_UV1_OFFSET, layout.uv[1]}, {SPEC_COLOR_OFFSET, layout.color}};
 }
 
-void record_draws(
-    Commands& commands, const SceneInputs& in, const RasterCall& opaque, const RasterCall& masked) {
+void record_draws(Commands& commands, const SceneInputs& in, const RasterCall& opaque,
+    const RasterCall& masked, Sides sides) {
     for (const bool with_holes : {false, true}) {
         const RasterCall& call = with_holes ? masked : opaque;
         bool bound = false;
@@ -30,8 +30,8 @@ void record_draws(
                 commands.bind_indices(in.handles.indices);
                 bound = true;
             }
-            commands.set_cull(
-                draw.double_sided ? Commands::Cull::none : Commands::Cull::back, draw.mirrored);
+            const bool both = draw.double_sided || sides == Sides::both;
+            commands.set_cull(both ? Commands::Cull::none : Commands::Cull::back, draw.mirrored);
             // A depth-only pipeline has no use for the material.
             if (!call.fragment_shader.empty())
                 commands.push(as_push(shader::DrawPush{draw.material}));

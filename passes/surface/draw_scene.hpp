@@ -19,8 +19,10 @@ struct SceneInputs {
 void read_vertices(PassBuilder& pass, const SceneInputs& in);
 /// Specialisation of shaders/surface/vertex.glsl for the scene's vertices.
 Specialization vertex_specialization(const VertexLayout& layout);
+/// Which sides of single-sided materials are drawn.
+enum class Sides { front, both };
 /// Draws what is opaque with one pipeline, then what is masked with the other.
-void record_draws(
-    Commands& commands, const SceneInputs& in, const RasterCall& opaque, const RasterCall& masked);
+void record_draws(Commands& commands, const SceneInputs& in, const RasterCall& opaque,
+    const RasterCall& masked, Sides sides);
 
 } // namespace ockham

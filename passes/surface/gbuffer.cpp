@@ -67,7 +67,8 @@ Gbuffer add_gbuffer(
                 .specialization = vertices},
             {.vertex_shader = "surface/gbuffer.vert",
                 .fragment_shader = masked,
-                .specialization = vertices});
+                .specialization = vertices},
+            Sides::front);
     });
     return out;
 }

@@ -26,7 +26,8 @@ ImageHandle add_shadow_map(Graph& graph, const SceneInputs& in, ImageHandle map)
             .specialization = vertex_specialization(in.scene->vertex_layout())};
         RasterCall holes = opaque;
         holes.fragment_shader = masked;
-        record_draws(commands, in, opaque, holes);
+        // Walls of one sheet stop the sun from behind too.
+        record_draws(commands, in, opaque, holes, Sides::both);
     });
     return out;
 }
