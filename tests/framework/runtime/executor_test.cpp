@@ -500,6 +500,25 @@ TEST_F(ExecutorTest, PushDescriptorsAndSetsAgree) {
     EXPECT_EQ(run_two_sets(device_without_push()), pushed);
 }
 
+TEST_F(ExecutorTest, EveryValidationModeExecutes) {
+    const std::vector<std::uint32_t> expected = run_two_sets(device());
+    for (const gpu::Validation validation :
+        {gpu::Validation::off, gpu::Validation::core, gpu::Validation::gpu}) {
+        gpu::Device local({.validation = validation});
+        EXPECT_EQ(run_two_sets(local), expected) << name_of(validation);
+        {
+            const gpu::Buffer vertices = upload_vertices(local, two_triangles());
+            RasterGraph r = raster_graph(8, vertices.bytes(), {{0, 3, 1}, {3, 3, 2}});
+            Executor executor(local, std::move(r.graph));
+            executor.bind(r.vertices, vertices);
+            executor.execute();
+            const auto counts = read_as<std::uint32_t>(executor, r.counts);
+            EXPECT_EQ(counts[1] + counts[2], 64u) << name_of(validation);
+        }
+        EXPECT_EQ(local.validation_log().count(), 0u) << name_of(validation);
+    }
+}
+
 TEST_F(ExecutorTest, TimesGrowWithWork) {
     // Not the fixture's device: synchronisation validation spoils times.
     gpu::Device core({.validation = gpu::Validation::core});
