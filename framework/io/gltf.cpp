@@ -10,6 +10,7 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <new>
@@ -22,8 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Vertices of one file, over all its primitives: some 16 GiB with all attributes.
-constexpr std::size_t kMaxVertices = std::size_t{1} << 28;
+/// Vertices and indices of one file, summed over its primitives, which may share accessors: a small
+/// file could otherwise fill the memory.
+constexpr std::size_t kMaxElements = std::size_t{1} << 28;
 
 tinygltf::Model parse(const GltfFile& file, const GltfFindings& findings) {
     tinygltf::TinyGLTF parser;
@@ -91,6 +93,7 @@ public:
     }
 
     Scene convert() {
+        refuse_too_many_elements();
         for (std::size_t i = 0; i < model_.materials.size(); ++i) add_material(i);
         for (std::size_t i = 0; i < model_.meshes.size(); ++i) add_mesh(i);
         place_nodes();
@@ -178,7 +181,7 @@ private:
 
     void add_material(std::size_t index) {
         const tinygltf::Material& source = model_.materials[index];
-        const std::string where = fmt::format("materials[{}] '{}'", index, source.name);
+        const std::string where = fmt::format("materials[{}] '{}'", index, shortened(source.name));
         const auto& pbr = source.pbrMetallicRoughness;
         Material material;
         material.name = source.name;
@@ -230,6 +233,23 @@ private:
 
     // Meshes
 
+    void refuse_too_many_elements() const {
+        std::size_t elements = 0;
+        for (const tinygltf::Mesh& mesh : model_.meshes) {
+            for (const tinygltf::Primitive& primitive : mesh.primitives) {
+                const auto position = primitive.attributes.find("POSITION");
+                if (position != primitive.attributes.end()) {
+                    elements += model_.accessors[position->second].count;
+                }
+                if (primitive.indices >= 0) elements += model_.accessors[primitive.indices].count;
+            }
+        }
+        if (elements > kMaxElements) {
+            findings_.fatal("its primitives have {} vertices and indices, at most {} are accepted",
+                elements, kMaxElements);
+        }
+    }
+
     enum ComponentTypes : unsigned {
         kFloat = 1,
         kUnsignedNormalized = 2,
@@ -239,7 +259,7 @@ private:
 
     /// What an attribute may be stored as; `quantized` adds KHR_mesh_quantization's.
     struct Format {
-        std::initializer_list<int> types;
+        std::array<int, 2> types;
         unsigned plain;
         unsigned quantized;
     };
@@ -343,19 +363,16 @@ private:
 
     void read_attributes(
         Primitive& primitive, const tinygltf::Primitive& source, const std::string& where) {
-        const Format position{{TINYGLTF_TYPE_VEC3}, kFloat, kAnyInteger};
-        const Format normal{{TINYGLTF_TYPE_VEC3}, kFloat, kSignedNormalized};
-        const Format tangent{{TINYGLTF_TYPE_VEC4}, kFloat, kSignedNormalized};
-        const Format uv{{TINYGLTF_TYPE_VEC2}, kFloat | kUnsignedNormalized, kAnyInteger};
+        const Format position{{TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC3}, kFloat, kAnyInteger};
+        const Format normal{{TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC3}, kFloat, kSignedNormalized};
+        const Format tangent{{TINYGLTF_TYPE_VEC4, TINYGLTF_TYPE_VEC4}, kFloat, kSignedNormalized};
+        const Format uv{
+            {TINYGLTF_TYPE_VEC2, TINYGLTF_TYPE_VEC2}, kFloat | kUnsignedNormalized, kAnyInteger};
         const Format color{
             {TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4}, kFloat | kUnsignedNormalized, 0};
 
         primitive.positions =
             reader_.floats<glm::vec3>(*attribute(source, where, "POSITION", position));
-        vertices_ += primitive.positions.size();
-        if (vertices_ > kMaxVertices) {
-            findings_.fatal("{}: the file has more than {} vertices", where, kMaxVertices);
-        }
         refuse_not_finite(primitive.positions, where);
         // Directions that are all zero are as good as none.
         if (const auto found = attribute(source, where, "NORMAL", normal);
@@ -617,8 +634,8 @@ private:
         const Bounds box =
             node.mesh >= 0 ? mesh_bounds_[node.mesh] : Bounds{glm::vec3(0.0f), glm::vec3(0.0f)};
         if (!box.empty() && !finite(world, box)) {
-            findings_.fatal(
-                "nodes[{}] '{}' is moved or scaled beyond the range of floats", index, node.name);
+            findings_.fatal("nodes[{}] '{}' is moved or scaled beyond the range of floats", index,
+                shortened(node.name));
         }
         // A scale of zero hides a node: glTF 2.0, 3.5.3.
         const bool hidden = glm::determinant(glm::dmat3(world)) == 0.0;
@@ -638,8 +655,8 @@ private:
         const glm::vec3 backward(world[2]), up(world[1]);
         const glm::vec3 right = glm::cross(up, backward);
         if (!(glm::length(right) > 0.0f)) {
-            findings_.note(
-                "nodes[{}] '{}': its camera has no direction, it is left out", index, node.name);
+            findings_.note("nodes[{}] '{}': its camera has no direction, it is left out", index,
+                shortened(node.name));
             return;
         }
         camera.forward = -glm::normalize(backward);
@@ -679,8 +696,8 @@ private:
         if (light.type != LightType::point) {
             const glm::vec3 axis(world[2]);
             if (!(glm::length(axis) > 0.0f)) {
-                findings_.note(
-                    "nodes[{}] '{}': its light has no direction, it is left out", index, node.name);
+                findings_.note("nodes[{}] '{}': its light has no direction, it is left out", index,
+                    shortened(node.name));
                 return;
             }
             light.direction = -glm::normalize(axis);
@@ -719,7 +736,6 @@ private:
     std::vector<Bounds> mesh_bounds_;
     std::map<std::string, int> images_; ///< by URI, or by index for images inside the file
     int default_material_ = -1;
-    std::size_t vertices_ = 0;
     bool warned_morph_ = false;
 };
 

@@ -51,7 +51,7 @@ public:
         for_each("nodes", &JsonChecker::check_node);
         for_each("scenes", &JsonChecker::check_scene);
         check_hierarchy();
-        index(root_, "", "scene", count("scenes"));
+        index(root_, "", "scene", count("scenes"), optional, "scenes");
     }
 
     /// After check_all: accessors of a type that glTF 2.0 does not know, replaced by a byte of
@@ -128,7 +128,7 @@ private:
     }
 
     /// A reference into an array of `size` objects.
-    std::optional<std::size_t> reference(
+    std::size_t reference(
         json& value, const std::string& path, std::size_t size, const char* what) const {
         if (!value.is_number()) refuse(path, value, "an index");
         const double number = value.get<double>();
@@ -141,7 +141,7 @@ private:
     }
 
     std::optional<std::size_t> index(json& parent, const std::string& path, const char* key,
-        std::size_t size, Presence presence = optional, const char* what = "such objects") const {
+        std::size_t size, Presence presence, const char* what) const {
         json* value = member(parent, path, key, presence);
         if (!value) return std::nullopt;
         return reference(*value, join(path, key), size, what);
@@ -443,7 +443,7 @@ private:
         if (!use) return;
         const std::string place = join(path, key);
         index(*use, place, "index", count("textures"), required, "textures");
-        integer(*use, place, "texCoord", 0, kMaxInteger);
+        integer(*use, place, "texCoord", 0, 65535);
         number(*use, place, "scale");
         clamped(*use, place, "strength", 0.0, 1.0);
         if (json* transform = extension(*use, place, "KHR_texture_transform")) {
@@ -451,7 +451,7 @@ private:
             numbers(*transform, name, "offset", 2);
             numbers(*transform, name, "scale", 2);
             number(*transform, name, "rotation");
-            integer(*transform, name, "texCoord", 0, kMaxInteger);
+            integer(*transform, name, "texCoord", 0, 65535);
         }
     }
 

@@ -71,9 +71,14 @@ std::optional<std::vector<std::byte>> base64_decode(std::string_view text) {
     return bytes;
 }
 
+/// RFC 3986: letters, digits and some signs up to the first colon.
 bool has_scheme(std::string_view uri) {
-    const std::size_t end = uri.find_first_of(":/?#");
-    return end != std::string_view::npos && uri[end] == ':';
+    const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+    const std::size_t end = uri.find(':');
+    if (end == std::string_view::npos || end == 0 || !is_letter(uri[0])) return false;
+    return std::all_of(uri.begin(), uri.begin() + static_cast<std::ptrdiff_t>(end), [&](char c) {
+        return is_letter(c) || (c >= '0' && c <= '9') || c == '+' || c == '-' || c == '.';
+    });
 }
 
 /// RFC 2397. Throws Error(input).
@@ -96,13 +101,13 @@ std::vector<std::byte> decode_data_uri(const std::string& uri) {
 } // namespace
 
 bool is_remote_gltf_uri(const std::string& uri) {
-    return !uri.starts_with("data:") && has_scheme(uri) && !uri.starts_with(":");
+    return !uri.starts_with("data:") && has_scheme(uri);
 }
 
 std::vector<std::byte> read_gltf_uri(
     const std::string& uri, const fs::path& folder, bool allow_external) {
     if (uri.starts_with("data:")) return decode_data_uri(uri);
-    if (has_scheme(uri)) fail_input("uri '{}' is not a relative path", shortened(uri));
+    if (is_remote_gltf_uri(uri)) fail_input("uri '{}' is not a relative path", shortened(uri));
     const std::optional<std::string> name = percent_decode(uri);
     if (!name || name->empty() || name->find('\0') != std::string::npos) {
         fail_input("uri '{}' is not a path", shortened(uri));

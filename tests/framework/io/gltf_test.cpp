@@ -787,6 +787,16 @@ TEST_F(GltfTest, AccessorsWithoutDataMayNotFillTheMemory) {
     root["accessors"][0]["count"] = 200000000;
     EXPECT_NE(
         refusal(root).find("accessors[0] has 200000000 elements and no data"), std::string::npos);
+    root = quad();
+    for (json& accessor : root["accessors"]) {
+        accessor.erase("bufferView");
+        accessor["count"] = 10000000;
+    }
+    for (int i = 0; i < 20; ++i) {
+        root["meshes"][0]["primitives"].push_back(root["meshes"][0]["primitives"][0]);
+    }
+    EXPECT_NE(refusal(root).find("have 420000000 vertices and indices, at most 268435456"),
+        std::string::npos);
 }
 
 TEST_F(GltfTest, ToleratedFindingsAreRefusedIfStrict) {
