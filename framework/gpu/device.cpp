@@ -412,7 +412,9 @@ void Device::create(VkPhysicalDevice physical) {
     info_ = read_info(physical);
 
     const char* force = std::getenv("OCKHAM_FORCE_DESCRIPTOR_SETS");
-    const bool forced = options_.force_descriptor_sets || (force && std::strcmp(force, "1") == 0);
+    // Instrumented shaders take pushed descriptors for uninitialised ones (layer 1.3.239).
+    const bool forced = options_.force_descriptor_sets || options_.validation == Validation::gpu ||
+                        (force && std::strcmp(force, "1") == 0);
     const bool pushes =
         !forced && has_extension(extensions_of(physical), VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     limits_ = read_limits(physical, queue_family_, pushes);

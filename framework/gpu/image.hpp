@@ -43,7 +43,8 @@ public:
     const ImageInfo& info() const { return info_; }
     const std::string& name() const { return info_.name; }
     VkImageAspectFlags aspect() const;
-    /// All layers (one for a 2D view), and all mips or the first. Made when first asked for.
+    /// All layers (one for a 2D view), and all mips or the first. Made when first asked for; one
+    /// thread at a time.
     VkImageView view(VkImageViewType type, bool all_mips) const;
 
 private:
