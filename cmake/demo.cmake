@@ -54,7 +54,7 @@ function(demo title)
   math(EXPR seconds "${tenths} / 10")
   math(EXPR tenths "${tenths} % 10")
   list(JOIN arg_WRITES ", " names)
-  say("wrote ${names} in ${seconds}.${tenths} s")
+  say("${seconds}.${tenths} s for ${names}")
   set(written ${written} ${arg_WRITES} PARENT_SCOPE)
 endfunction()
 
