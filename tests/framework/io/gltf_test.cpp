@@ -522,7 +522,7 @@ TEST_F(GltfTest, TextureTransform) {
     use["extensions"]["KHR_texture_transform"] = {{"offset", {0.5, 3000000000}}, {"scale", {2, 4}},
         {"rotation", std::numbers::pi / 2}, {"texCoord", 1}};
     root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = 1;
-    const TextureUse& loaded = load(root).materials[0].base_color_texture;
+    const TextureUse loaded = load(root).materials[0].base_color_texture;
     EXPECT_EQ(loaded.uv_set, 1) << "the extension overrides texCoord";
     EXPECT_LT(glm::length(loaded.transform_u - glm::vec3(0, 4, 0.5f)), 1e-6f);
     EXPECT_LT(glm::length(glm::vec2(loaded.transform_v) - glm::vec2(-2, 0)), 1e-6f);
