@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "framework/gpu/selection.hpp"
+
+#include "framework/core/error.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+
+namespace ockham::gpu {
+
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+template <class T, class Function, class... Args>
+std::vector<T> enumerate(const char* what, Function function, Args... args) {
+    std::uint32_t count = 0;
+    expect(function(args..., &count, nullptr), what);
+    std::vector<T> items(count);
+    expect(function(args..., &count, items.data()), what);
+    items.resize(count);
+    return items;
+}
+
+bool has_extension(const std::vector<VkExtensionProperties>& extensions, const char* name) {
+    return std::ranges::any_of(
+        extensions, [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+/// The layer reads from the environment what has no place in the API of 1.3.239: without the second
+/// switch, hazards between command buffers pass unseen.
+void enable_queue_submit_checks() {
+    constexpr const char* kVariable = "VK_LAYER_ENABLES";
+    constexpr const char* kSwitches = "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:"
+                                      "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_"
+                                      "SUBMIT";
+    const char* present = std::getenv(kVariable);
+    if (present && std::strstr(present, kSwitches)) return;
+    const std::string value =
+        present && *present ? fmt::format("{}:{}", present, kSwitches) : kSwitches;
+    setenv(kVariable, value.c_str(), 1);
+}
+
+/// One feature: where it is, whether the device must have it, and what it adds to the score.
+template <class Struct>
+struct Feature {
+    const char* name;
+    VkBool32 Struct::*member;
+    bool required;
+};
+
+constexpr Feature<VkPhysicalDeviceFeatures> kFeatures10[] = {
+    {"shaderStorageImageExtendedFormats",
+        &VkPhysicalDeviceFeatures::shaderStorageImageExtendedFormats, true},
+    {"shaderStorageImageWriteWithoutFormat",
+        &VkPhysicalDeviceFeatures::shaderStorageImageWriteWithoutFormat, false},
+    {"samplerAnisotropy", &VkPhysicalDeviceFeatures::samplerAnisotropy, false},
+    {"fragmentStoresAndAtomics", &VkPhysicalDeviceFeatures::fragmentStoresAndAtomics, false},
+    {"vertexPipelineStoresAndAtomics", &VkPhysicalDeviceFeatures::vertexPipelineStoresAndAtomics,
+        false},
+    {"geometryShader", &VkPhysicalDeviceFeatures::geometryShader, false}, // gl_PrimitiveID
+    {"shaderClipDistance", &VkPhysicalDeviceFeatures::shaderClipDistance, false},
+    {"shaderInt64", &VkPhysicalDeviceFeatures::shaderInt64, false},
+};
+constexpr Feature<VkPhysicalDeviceVulkan12Features> kFeatures12[] = {
+    {"scalarBlockLayout", &VkPhysicalDeviceVulkan12Features::scalarBlockLayout, true},
+};
+constexpr Feature<VkPhysicalDeviceVulkan13Features> kFeatures13[] = {
+    {"synchronization2", &VkPhysicalDeviceVulkan13Features::synchronization2, true},
+    {"maintenance4", &VkPhysicalDeviceVulkan13Features::maintenance4, true},
+    {"shaderTerminateInvocation", &VkPhysicalDeviceVulkan13Features::shaderTerminateInvocation,
+        false},
+    {"shaderDemoteToHelperInvocation",
+        &VkPhysicalDeviceVulkan13Features::shaderDemoteToHelperInvocation, false},
+};
+
+/// Calls visit(feature, struct of `features` that holds it) for each row above.
+template <class Visit>
+void for_each_feature(Features& features, Visit visit) {
+    for (const auto& feature : kFeatures10) visit(feature, features.v10.features);
+    for (const auto& feature : kFeatures12) visit(feature, features.v12);
+    for (const auto& feature : kFeatures13) visit(feature, features.v13);
+}
+
+std::pair<int, const char*> score_of_type(VkPhysicalDeviceType type) {
+    switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+        return {1000, "discrete GPU"};
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+        return {500, "integrated GPU"};
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+        return {300, "virtual GPU"};
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+        return {100, "CPU"};
+    default:
+        return {50, "other"};
+    }
+}
+
+std::vector<VkExtensionProperties> extensions_of(VkPhysicalDevice physical) {
+    return enumerate<VkExtensionProperties>("listing a device's extensions",
+        vkEnumerateDeviceExtensionProperties, physical, static_cast<const char*>(nullptr));
+}
+
+Candidate rate(VkPhysicalDevice physical) {
+    Candidate candidate{.handle = physical};
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(physical, &properties);
+    candidate.name = properties.deviceName;
+    const auto merit = [&](int points, std::string_view what) {
+        candidate.score += points;
+        candidate.merits.push_back(fmt::format("{} +{}", what, points));
+    };
+    const auto [points, type] = score_of_type(properties.deviceType);
+    merit(points, type);
+    if (properties.apiVersion < VK_API_VERSION_1_3) {
+        candidate.refusals.push_back(
+            fmt::format("Vulkan {}.{}, needs 1.3", VK_API_VERSION_MAJOR(properties.apiVersion),
+                VK_API_VERSION_MINOR(properties.apiVersion)));
+        return candidate; // the newer structs must not be asked for
+    }
+    if (!find_queue_family(physical)) {
+        candidate.refusals.push_back("no queue with graphics, compute and timestamps");
+    }
+    Features features;
+    vkGetPhysicalDeviceFeatures2(physical, &features.v10);
+    for_each_feature(features, [&](const auto& feature, auto& values) {
+        const bool present = values.*feature.member;
+        if (!present && feature.required) {
+            candidate.refusals.push_back(fmt::format("no {}", feature.name));
+        }
+        if (present && !feature.required) merit(1, feature.name);
+    });
+    if (has_push_descriptors(physical)) {
+        merit(5, "push descriptors");
+    }
+    return candidate;
+}
+
+std::string lower(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+} // namespace
+
+Instance create_instance(Validation validation, ValidationLog& log) {
+    std::uint32_t version = VK_API_VERSION_1_0;
+    vkEnumerateInstanceVersion(&version);
+    if (version < VK_API_VERSION_1_3) {
+        fail_device("the Vulkan loader is {}.{}, but 1.3 is needed; update the package libvulkan1",
+            VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
+    }
+    Instance instance;
+    std::vector<const char*> layers;
+    std::vector<const char*> extensions;
+    auto available = enumerate<VkExtensionProperties>("listing Vulkan's instance extensions",
+        vkEnumerateInstanceExtensionProperties, static_cast<const char*>(nullptr));
+    if (validation != Validation::off) {
+        const auto present = enumerate<VkLayerProperties>(
+            "listing Vulkan's layers", vkEnumerateInstanceLayerProperties);
+        if (std::ranges::none_of(present,
+                [](const auto& l) { return std::strcmp(l.layerName, kValidationLayer) == 0; })) {
+            fail_device("--validation {} needs the layer {}, which is not installed; install the "
+                        "package vulkan-validationlayers",
+                name_of(validation), kValidationLayer);
+        }
+        layers.push_back(kValidationLayer);
+        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+        const auto more =
+            enumerate<VkExtensionProperties>("listing the validation layer's extensions",
+                vkEnumerateInstanceExtensionProperties, kValidationLayer);
+        available.insert(available.end(), more.begin(), more.end());
+    }
+    instance.debug_utils = has_extension(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    if (instance.debug_utils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+
+    std::vector<VkValidationFeatureEnableEXT> enables;
+    if (validation == Validation::sync) {
+        enables.push_back(VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT);
+        enable_queue_submit_checks();
+    } else if (validation == Validation::gpu) {
+        enables.push_back(VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT);
+        enables.push_back(VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT);
+    }
+    VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_info(log, validation);
+    const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+        .pNext = instance.debug_utils ? &messenger : nullptr,
+        .enabledValidationFeatureCount = static_cast<std::uint32_t>(enables.size()),
+        .pEnabledValidationFeatures = enables.data()};
+    const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+        .pApplicationName = "Ockham",
+        .pEngineName = "Ockham",
+        .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+        .pNext = validation != Validation::off ? &features : nullptr,
+        .pApplicationInfo = &application,
+        .enabledLayerCount = static_cast<std::uint32_t>(layers.size()),
+        .ppEnabledLayerNames = layers.data(),
+        .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+        .ppEnabledExtensionNames = extensions.data()};
+    expect(vkCreateInstance(&info, nullptr, &instance.handle), "creating a Vulkan instance");
+    return instance;
+}
+
+void choose_features(VkPhysicalDevice physical, Features& features) {
+    Features present;
+    vkGetPhysicalDeviceFeatures2(physical, &present.v10);
+    for_each_feature(features, [&](const auto& feature, auto& values) {
+        values.*feature.member = present.of(values).*feature.member;
+    });
+}
+
+std::optional<std::uint32_t> find_queue_family(VkPhysicalDevice physical) {
+    std::uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+    constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const bool fits = (families[i].queueFlags & kNeeded) == kNeeded;
+        if (fits && families[i].timestampValidBits > 0) return i;
+    }
+    return std::nullopt;
+}
+
+bool has_push_descriptors(VkPhysicalDevice physical) {
+    return has_extension(extensions_of(physical), VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
+}
+
+std::vector<Candidate> rate_all(VkInstance instance) {
+    std::vector<Candidate> candidates;
+    for (const VkPhysicalDevice physical : enumerate<VkPhysicalDevice>(
+             "listing Vulkan devices", vkEnumeratePhysicalDevices, instance)) {
+        candidates.push_back(rate(physical));
+    }
+    return candidates;
+}
+
+std::string describe(const std::vector<Candidate>& candidates) {
+    std::string text;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const Candidate& c = candidates[i];
+        text += c.refusals.empty()
+                    ? fmt::format(
+                          "[{}] {}: score {} ({})\n", i, c.name, c.score, fmt::join(c.merits, ", "))
+                    : fmt::format("[{}] {}: refused: {}\n", i, c.name, fmt::join(c.refusals, "; "));
+    }
+    return text;
+}
+
+const Candidate& select(const std::vector<Candidate>& candidates, const std::string& wish) {
+    if (candidates.empty()) {
+        fail_device("no Vulkan device found; install a driver, for example the package "
+                    "mesa-vulkan-drivers");
+    }
+    const bool is_index = !wish.empty() && std::ranges::all_of(wish, [](char c) {
+        return std::isdigit(static_cast<unsigned char>(c));
+    }) && wish.size() < 6;
+    const auto matches = [&](std::size_t index) {
+        if (wish.empty()) return true;
+        if (is_index) return index == static_cast<std::size_t>(std::stoi(wish));
+        return lower(candidates[index].name).find(lower(wish)) != std::string::npos;
+    };
+    const Candidate* best = nullptr;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        const Candidate& c = candidates[i];
+        if (matches(i) && c.refusals.empty() && (!best || c.score > best->score)) best = &c;
+    }
+    if (!best) {
+        fail_device("{}; the devices are:\n{}",
+            wish.empty() ? "no Vulkan device can be used"
+                         : fmt::format("no usable Vulkan device matches --gpu '{}'", wish),
+            describe(candidates));
+    }
+    return *best;
+}
+
+} // namespace ockham::gpu
