@@ -10,9 +10,17 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 namespace ockham {
 namespace {
+
+/// Where all samples are taken, their order says nothing.
+std::vector<std::uint32_t> row_major_order(std::uint32_t m) {
+    std::vector<std::uint32_t> order(m * m);
+    std::iota(order.begin(), order.end(), 0u);
+    return order;
+}
 
 /// The parameters with everything derived: m = 1 and "none" are the same picture.
 AdaptiveAaParams settled(AdaptiveAaParams params) {
@@ -31,7 +39,12 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
             "k = {}: a window of {} x {} has 1 to {} samples", params.k, params.m, params.m, n);
     }
     if (n == 1) params.method = AaMethod::none;
-    if (params.order.empty()) params.order = paper_order(static_cast<int>(params.m));
+    if (params.order.empty()) {
+        const bool partial = params.method == AaMethod::adaptive ||
+                             (params.method == AaMethod::uniform && params.k < n);
+        params.order =
+            partial ? paper_order(static_cast<int>(params.m)) : row_major_order(params.m);
+    }
     return params;
 }
 
@@ -169,7 +182,11 @@ AdaptiveAa::AdaptiveAa(
             state_of(Access::sampled, Stage::compute));
     }
     outputs_ = add_adaptive_aa(graph, in, params_, device.limits().image_extent);
-    executor_ = std::make_unique<Executor>(device, std::move(graph));
+    Policy policy;
+    const std::uint64_t budget = device.allocator().budget_bytes();
+    const std::uint64_t used = device.allocator().bytes_used();
+    if (budget > 0) policy.memory_budget_bytes = budget > used ? budget - used : 1;
+    executor_ = std::make_unique<Executor>(device, std::move(graph), policy);
     lit.gpu().bind(*executor_, in.scene.handles);
     executor_->bind(in.scene.frame, *frame_);
     if (in.shadow_map) executor_->bind(in.shadow_map, *lit.shadow_map());

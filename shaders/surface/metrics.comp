@@ -41,20 +41,30 @@ void main() {
 
     float depth_sum = 0.0, depth2_sum = 0.0;
     vec3 normal_sum = vec3(0.0);
+    uint first_word = 0u, hits = 0u;
+    bool normals_differ = false;
     for (int i = 0; i < m * m; ++i) {
         ivec2 position = pixel * m + ivec2(i % m, i / m);
         float stored = texelFetch(gbuffer_depth, position, 0).x;
         float d = view_depth(stored);
         depth_sum += d;
         depth2_sum += d * d;
-        if (stored > 0.0) normal_sum += unpack_normal(texelFetch(gbuffer, position, 0));
+        if (stored > 0.0) {
+            uvec4 words = texelFetch(gbuffer, position, 0);
+            normals_differ = normals_differ || (hits > 0u && words.x != first_word);
+            first_word = words.x;
+            ++hits;
+            normal_sum += unpack_normal(words);
+        }
     }
     float mean_depth = depth_sum / n;
     float k_depth = push.depth_weight * (depth2_sum / n - mean_depth * mean_depth);
 
+    // One normal for the whole window, as on most flat walls, spans no cone.
+    int compared = normals_differ ? m * m : 0;
     vec3 mean_normal = normalize(normal_sum);
     float smallest = 1.0;
-    for (int i = 0; i < m * m; ++i) {
+    for (int i = 0; i < compared; ++i) {
         ivec2 position = pixel * m + ivec2(i % m, i / m);
         if (texelFetch(gbuffer_depth, position, 0).x > 0.0) {
             smallest = min(smallest, abs(dot(mean_normal, unpack_normal(texelFetch(gbuffer, position, 0)))));
