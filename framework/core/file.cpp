@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -127,8 +128,7 @@ void write_file(const fs::path& path, std::span<const std::byte> bytes) {
         std::error_code ignored;
         if (!fs::is_regular_file(target, ignored)) return;
         const std::vector<std::byte> back = read_file(target);
-        if (back.size() != bytes.size() ||
-            std::memcmp(back.data(), bytes.data(), bytes.size()) != 0) {
+        if (!std::ranges::equal(back, bytes)) {
             fail_input("cannot write '{}': what was read back differs from what was written",
                 path.string());
         }

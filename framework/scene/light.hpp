@@ -18,14 +18,14 @@ enum class LightType : std::uint32_t { directional, point, spot };
 struct Light {
     std::string name;
     LightType type = LightType::point;
-    glm::vec3 position{0.0f};                ///< world; point and spot
-    glm::vec3 direction{0.0f, -1.0f, 0.0f};  ///< unit, the way light travels; directional and spot
+    glm::vec3 position{0.0f};               ///< world; point and spot
+    glm::vec3 direction{0.0f, -1.0f, 0.0f}; ///< unit, the way light travels; directional and spot
     /// Directional: irradiance on a surface that faces the light. Point, spot: radiant intensity.
     glm::vec3 intensity{1.0f};
     float range = std::numeric_limits<float>::infinity(); ///< world units, > 0
-    float window_power = 4.0f;  ///< 4 for glTF, 2 for rigs
-    float softening = 0.0f;     ///< world units squared; 0 for glTF, 0.1 for rigs
-    float inner_cone = 0.0f;    ///< radians from the axis
+    float window_power = 4.0f;                            ///< 4 for glTF, 2 for rigs
+    float softening = 0.0f;  ///< world units squared; 0 for glTF, 0.1 for rigs
+    float inner_cone = 0.0f; ///< radians from the axis
     float outer_cone = 0.785398f;
     bool casts_shadow = false; ///< honoured for the main (first directional) light
 };

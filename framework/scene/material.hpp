@@ -52,8 +52,8 @@ struct Material {
     float occlusion_strength = 1.0f;
     glm::vec3 emissive{0.0f}; ///< radiance, KHR_materials_emissive_strength multiplied in
     TextureUse emissive_texture;
-    float ior = 1.5f;           ///< KHR_materials_ior; normal-incidence reflectance of dielectrics
-    bool masked = false;        ///< alpha below `alpha_cutoff` is a hole
+    float ior = 1.5f;    ///< KHR_materials_ior; normal-incidence reflectance of dielectrics
+    bool masked = false; ///< alpha below `alpha_cutoff` is a hole
     float alpha_cutoff = 0.5f;
     bool double_sided = false;
     bool unlit = false; ///< KHR_materials_unlit: base colour is the radiance
