@@ -140,8 +140,8 @@ const Reflection& Pipelines::reflection(const std::string& shader) {
 }
 
 const PipelineLayout& Pipelines::layout(const Shaders& shaders) {
-    std::unique_ptr<PipelineLayout>& known = layouts_[shaders];
-    if (known) return *known;
+    const auto found = layouts_.find(shaders);
+    if (found != layouts_.end()) return *found->second;
     auto layout = std::make_unique<PipelineLayout>();
     std::uint32_t set_count = 0;
     for (const std::string& shader : shaders) {
@@ -212,8 +212,7 @@ const PipelineLayout& Pipelines::layout(const Shaders& shaders) {
         .pPushConstantRanges = &push};
     expect(vkCreatePipelineLayout(device_.handle(), &info, nullptr, &layout->handle),
         fmt::format("creating the pipeline layout of '{}'", fmt::join(shaders, " + ")));
-    known = std::move(layout);
-    return *known;
+    return *layouts_.emplace(shaders, std::move(layout)).first->second;
 }
 
 const Pipeline& Pipelines::compute(std::string_view shader, const Specialization& specialization) {

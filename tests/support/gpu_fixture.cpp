@@ -1,21 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/gpu_fixture.hpp"
 
+#include "framework/core/log.hpp"
+
 #include <memory>
+
+#if defined(__SANITIZE_ADDRESS__)
+#include <dlfcn.h>
+
+namespace {
+/// Keeps the driver in memory, so that a report of leaks can tell its frames from ours.
+[[maybe_unused]] void* const driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
+} // namespace
+
+/// Loader, layer and driver keep what is theirs. Of ours, a frame of this program would be seen.
+extern "C" const char* __lsan_default_suppressions() {
+    return "leak:libVkLayer_khronos_validation\nleak:libvulkan\n";
+}
+#endif
 
 namespace ockham::test {
 
 namespace {
 
-struct Devices {
+/// The devices of this process. Destroyed before main() returns: later, the validation layer's own
+/// statics are gone.
+class Devices : public testing::Environment {
+public:
     std::unique_ptr<gpu::Device> pushing;
     std::unique_ptr<gpu::Device> with_sets;
+
+    void TearDown() override {
+        // What is left undestroyed is reported while the device goes.
+        log::set_sink([](log::Level level, std::string_view text) {
+            if (level == log::Level::error) ADD_FAILURE() << text;
+        });
+        pushing.reset();
+        with_sets.reset();
+        log::set_sink({});
+    }
 };
 
-Devices& devices() {
-    static Devices instance;
-    return instance;
-}
+/// Owned by GoogleTest.
+Devices* const environment = static_cast<Devices*>(testing::AddGlobalTestEnvironment(new Devices));
+
+Devices& devices() { return *environment; }
 
 } // namespace
 

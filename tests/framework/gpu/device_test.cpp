@@ -37,13 +37,15 @@ private:
     std::optional<std::string> before_;
 };
 
-TEST(DeviceTest, ListsEveryGpuWithScore) {
+class DeviceTest : public test::GpuTest {};
+
+TEST_F(DeviceTest, ListsEveryGpuWithScore) {
     const std::string list = list_gpus();
     EXPECT_EQ(list.rfind("[0] ", 0), 0u) << list;
     EXPECT_NE(list.find("score "), std::string::npos) << list;
 }
 
-TEST(DeviceTest, IsChosenByIndexOrPartOfItsName) {
+TEST_F(DeviceTest, IsChosenByIndexOrPartOfItsName) {
     const Device first({.gpu = "0"});
     ASSERT_GE(first.info().name.size(), 3u);
     std::string part = first.info().name.substr(0, 4);
@@ -57,7 +59,7 @@ TEST(DeviceTest, IsChosenByIndexOrPartOfItsName) {
     EXPECT_GE(first.limits().storage_bytes, std::uint64_t{1} << 27);
 }
 
-TEST(DeviceTest, AnUnknownGpuIsRefusedWithTheListOfAll) {
+TEST_F(DeviceTest, AnUnknownGpuIsRefusedWithTheListOfAll) {
     for (const char* wish : {"no such gpu", "77"}) {
         const std::string text = error_of([&] { Device device({.gpu = wish}); });
         EXPECT_NE(text.find(wish), std::string::npos) << text;
@@ -65,7 +67,7 @@ TEST(DeviceTest, AnUnknownGpuIsRefusedWithTheListOfAll) {
     }
 }
 
-TEST(DeviceTest, NoDriverIsADeviceError) {
+TEST_F(DeviceTest, NoDriverIsADeviceError) {
     const Environment drivers("VK_DRIVER_FILES", "/nonexistent/icd.json");
     try {
         const Device device;
@@ -77,7 +79,7 @@ TEST(DeviceTest, NoDriverIsADeviceError) {
     }
 }
 
-TEST(DeviceTest, AMissingValidationLayerNamesThePackage) {
+TEST_F(DeviceTest, AMissingValidationLayerNamesThePackage) {
     const Environment layers("VK_LAYER_PATH", "/nonexistent");
     try {
         const Device device({.validation = Validation::core});
@@ -89,7 +91,7 @@ TEST(DeviceTest, AMissingValidationLayerNamesThePackage) {
     }
 }
 
-TEST(DeviceTest, EveryValidationModeStartsAndEndsInSilence) {
+TEST_F(DeviceTest, EveryValidationModeStartsAndEndsInSilence) {
     for (const Validation validation :
         {Validation::off, Validation::core, Validation::sync, Validation::gpu}) {
         std::vector<std::string> errors;
@@ -113,7 +115,7 @@ TEST(DeviceTest, EveryValidationModeStartsAndEndsInSilence) {
     }
 }
 
-TEST(DeviceTest, ValidationReportsMistakes) {
+TEST_F(DeviceTest, ValidationReportsMistakes) {
     Device device({.validation = Validation::core});
     log::set_sink([](log::Level, std::string_view) {});
     const VkBufferCreateInfo nonsense{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
@@ -132,7 +134,7 @@ TEST(DeviceTest, ValidationReportsMistakes) {
     EXPECT_NE(device.validation_messages()[0].find("VkBufferCreateInfo"), std::string::npos);
 }
 
-TEST(DeviceTest, ResultsHaveWordsAndAdvice) {
+TEST_F(DeviceTest, ResultsHaveWordsAndAdvice) {
     EXPECT_EQ(error_of([] { expect(VK_SUCCESS, "this"); }), "");
     EXPECT_EQ(error_of([] { expect(VK_INCOMPLETE, "this"); }), "");
     const std::string text = error_of([] { expect(VK_ERROR_OUT_OF_DEVICE_MEMORY, "painting"); });
