@@ -33,10 +33,9 @@ layout(push_constant, scalar) uniform Push { DrawPush push; };
 
 TextureCoordinates coordinates(UvMap map) {
     TextureCoordinates c;
-    vec2 uv = map_uv(map, in_uv0, in_uv1);
-    c.gradient_x = dFdx(uv);
-    c.gradient_y = dFdy(uv);
-    c.uv = wrap_uv(map, uv);
+    c.gradient_x = map_uv_change(map, dFdx(in_uv0), dFdx(in_uv1));
+    c.gradient_y = map_uv_change(map, dFdy(in_uv0), dFdy(in_uv1));
+    c.uv = wrap_uv(map, map_uv(map, in_uv0, in_uv1));
     return c;
 }
 

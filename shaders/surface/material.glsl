@@ -8,6 +8,13 @@ vec2 map_uv(UvMap map, vec2 uv0, vec2 uv1) {
     return vec2(dot(map.u, uv), dot(map.v, uv));
 }
 
+/// The same for a change of coordinates. Derivatives are taken before the map, not after: drivers
+/// may give helper invocations zeros for what is read from buffers, the map among them.
+vec2 map_uv_change(UvMap map, vec2 uv0, vec2 uv1) {
+    vec2 change = map.set == 0u ? uv0 : uv1;
+    return vec2(dot(map.u.xy, change), dot(map.v.xy, change));
+}
+
 /// Wrap modes on top of a repeating sampler: clamped and mirrored coordinates are folded into
 /// [0,1], a hair inside, so that a filter at the border meets as little of the other side as can be.
 float wrap_coordinate(float x, uint mode) {

@@ -24,7 +24,8 @@ void main() {
     float alpha = material.base_color.a * in_alpha;
 #ifdef COLOR_TEXTURES
     vec2 uv = map_uv(material.uv[0], in_uv0, in_uv1);
-    vec2 gradient_x = dFdx(uv), gradient_y = dFdy(uv);
+    vec2 gradient_x = map_uv_change(material.uv[0], dFdx(in_uv0), dFdx(in_uv1));
+    vec2 gradient_y = map_uv_change(material.uv[0], dFdy(in_uv0), dFdy(in_uv1));
     if (material.base_color_texture.layer >= 0) {
         alpha *= sample_footprint(color_textures, material.base_color_texture.layer,
             material.base_color_texture.size, wrap_uv(material.uv[0], uv), gradient_x, gradient_y,
