@@ -58,7 +58,9 @@ void main() {
         }
     }
     float mean_depth = depth_sum / n;
-    float k_depth = push.depth_weight * (depth2_sum / n - mean_depth * mean_depth);
+    // Sky alone has one depth; rounding the sums of a far background would say otherwise.
+    float variance = hits == 0u ? 0.0 : depth2_sum / n - mean_depth * mean_depth;
+    float k_depth = push.depth_weight * variance;
 
     // One normal for the whole window, as on most flat walls, spans no cone.
     int compared = normals_differ ? m * m : 0;
