@@ -170,7 +170,7 @@ void Params::from_json(const nlohmann::json& json, const std::string& where) {
             if (item.is_boolean()) return param->set(item.get<bool>() ? "on" : "off");
             if (item.is_string()) return param->set(item.get<std::string>());
             if (item.is_number()) return param->set(item.dump());
-            fail_input("{}: parameter '{}' has a value of type {}", where, key, item.type_name());
+            fail_input("parameter '{}' has a value of type {}", key, item.type_name());
         };
         try {
             if (param->is_list() && value.is_array()) {

@@ -63,7 +63,7 @@ public:
     PassBuilder& side_effect(std::string why);
     /// Why the scene needs this pass; shown by explain.
     PassBuilder& because(std::string reason);
-    /// What to record; called once per execution that records anew.
+    /// What to record. Called at each execution (twice under sync validation), so it must only record.
     PassBuilder& record(std::function<void(Commands&)> function);
 
 private:

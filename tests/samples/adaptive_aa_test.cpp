@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+// adaptive_aa as a user runs it: outputs, statistics, and one clear error with its exit code for
+// everything that can be wrong, leaving no file behind.
+#include "framework/core/file.hpp"
+#include "framework/io/image_file.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <set>
+
+namespace ockham {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Result {
+    int exit_code = -1;
+    std::string text; ///< stdout and stderr
+};
+
+class AdaptiveAaProgram : public testing::Test {
+protected:
+    AdaptiveAaProgram()
+        : folder(fs::temp_directory_path() / ("ockham_adaptive_aa." + std::to_string(::getpid()))) {
+        fs::create_directories(folder);
+    }
+    ~AdaptiveAaProgram() override { fs::remove_all(folder); }
+
+    Result run(const std::string& arguments, const std::string& environment = "",
+        const std::string& program = "adaptive_aa") {
+        const std::string command = "cd '" + folder.string() + "' && " + environment +
+                                    " '" OCKHAM_BIN "/" + program + "' " + arguments + " 2>&1";
+        Result result;
+        FILE* pipe = ::popen(command.c_str(), "r");
+        EXPECT_NE(pipe, nullptr);
+        char buffer[4096];
+        while (std::fgets(buffer, sizeof(buffer), pipe) != nullptr) result.text += buffer;
+        const int status = ::pclose(pipe);
+        result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+        return result;
+    }
+
+    std::set<std::string> files() const {
+        std::set<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder))
+            names.insert(entry.path().filename());
+        return names;
+    }
+
+    /// Runs; expects the code, exactly one line that begins with "error: ", all of `parts` in it,
+    /// and no new file.
+    void expect_error(const std::string& arguments, int code, const std::vector<std::string>& parts,
+        const std::string& environment = "") {
+        const std::set<std::string> before = files();
+        const Result result = run(arguments, environment);
+        EXPECT_EQ(result.exit_code, code) << arguments << "\n" << result.text;
+        std::size_t errors = 0;
+        for (std::size_t at = result.text.find("error: "); at != std::string::npos;
+             at = result.text.find("error: ", at + 1)) {
+            ++errors;
+        }
+        EXPECT_EQ(errors, 1u) << arguments << "\n" << result.text;
+        for (const std::string& part : parts) {
+            EXPECT_NE(result.text.find(part), std::string::npos) << arguments << "\n"
+                                                                 << result.text;
+        }
+        EXPECT_EQ(files(), before) << arguments;
+    }
+
+    fs::path folder;
+};
+
+TEST_F(AdaptiveAaProgram, writes_picture_statistics_plan_and_captures) {
+    const std::string size = " --width 33 --height 21 --m 2 --quiet --validation core ";
+    ASSERT_EQ(run("builtin:wires" + size + "--method ssaa -o reference.exr").exit_code, 0);
+    const Result result = run("builtin:wires" + size +
+                              "-o out.exr --aov --stats s.json --plan p.json --frames 2 "
+                              "--capture sample_count=k.png --reference reference.exr");
+    ASSERT_EQ(result.exit_code, 0) << result.text;
+
+    const Image picture = load_image(folder / "out.exr");
+    EXPECT_EQ(picture.width(), 33);
+    EXPECT_EQ(picture.height(), 21);
+    for (const char* channel : {"R", "G", "B", "A", "k", "winner", "S.R", "S.G", "S.B", "depth",
+             "normal.X", "normal.Y", "normal.Z", "material"}) {
+        EXPECT_TRUE(picture.find(channel).has_value()) << channel;
+    }
+    EXPECT_EQ(picture.metadata.count("ockham.command"), 1u);
+
+    const nlohmann::json stats = nlohmann::json::parse(read_text(folder / "s.json"));
+    for (const char* key : {"device", "driver", "command", "commit", "width", "height", "frames",
+             "gpu_ms", "total_gpu_ms", "shading_gpu_ms", "wall_ms", "plan", "samples", "image"}) {
+        EXPECT_TRUE(stats.contains(key)) << key;
+    }
+    EXPECT_EQ(stats["frames"], 2);
+    std::uint64_t pixels = 0, samples = 0;
+    for (std::size_t k = 1; k <= 4; ++k) {
+        pixels += stats["samples"]["histogram"][k - 1].get<std::uint64_t>();
+        samples += k * stats["samples"]["histogram"][k - 1].get<std::uint64_t>();
+    }
+    EXPECT_EQ(pixels, 33u * 21u);
+    EXPECT_DOUBLE_EQ(
+        stats["samples"]["percent"].get<double>(), 100.0 * double(samples) / (4.0 * 33 * 21));
+    EXPECT_GT(stats["image"]["psnr"].get<double>(), 20.0);
+    double sum = 0;
+    for (const auto& [pass, time] : stats["gpu_ms"].items()) {
+        EXPECT_GT(time["median"].get<double>(), 0.0) << pass;
+        sum += time["max"].get<double>();
+    }
+    EXPECT_LE(stats["total_gpu_ms"].get<double>(), sum);
+
+    const nlohmann::json plan = nlohmann::json::parse(read_text(folder / "p.json"));
+    for (const char* list : {"passes", "resources", "barriers"})
+        EXPECT_FALSE(plan[list].empty()) << list;
+    for (const auto& pass : plan["passes"]) EXPECT_FALSE(pass["reason"].get<std::string>().empty());
+}
+
+TEST_F(AdaptiveAaProgram, reports_999_for_equal_pictures) {
+    const std::string common = "builtin:sky --width 8 --height 8 --quiet ";
+    ASSERT_EQ(run(common + "-o a.exr").exit_code, 0);
+    ASSERT_EQ(run(common + "--reference a.exr --stats s.json --frames 1").exit_code, 0);
+    EXPECT_EQ(nlohmann::json::parse(read_text(folder / "s.json"))["image"]["psnr"], 999.0);
+}
+
+TEST_F(AdaptiveAaProgram, run_files_repeat_a_run) {
+    ASSERT_EQ(run("builtin:wires --width 20 --height 12 --m 3 --method uniform --k 5 --dump-config "
+                  "c.json")
+                  .exit_code,
+        0);
+    ASSERT_EQ(run("--config c.json --quiet -o a.exr").exit_code, 0);
+    ASSERT_EQ(
+        run("builtin:wires --width 20 --height 12 --m 3 --method uniform --k 5 --quiet -o b.exr")
+            .exit_code,
+        0);
+    const Image a = load_image(folder / "a.exr"), b = load_image(folder / "b.exr");
+    ASSERT_EQ(a.pixels(), 240u);
+    for (int c = 0; c < 4; ++c) {
+        EXPECT_TRUE(std::equal(a.plane(c).begin(), a.plane(c).end(), b.plane(c).begin()));
+    }
+}
+
+TEST_F(AdaptiveAaProgram, bad_input_is_one_error_with_exit_code_2) {
+    write_text(folder / "garbage.gltf", "garbage");
+    write_text(folder / "garbage.exr", "garbage");
+    write_text(folder / "list.json", "[1]");
+    expect_error("missing.gltf -o out.exr", 2, {"missing.gltf", "No such file"});
+    expect_error("garbage.gltf -o out.exr", 2, {"garbage.gltf"});
+    expect_error("builtin:nothing -o out.exr", 2, {"nothing", "atrium"});
+    expect_error("--wrong", 2, {"--wrong", "--help"});
+    expect_error("--m 0 -o out.exr", 2, {"--m", "'0'", "1 to 8"});
+    expect_error("--m nine", 2, {"--m", "nine"});
+    expect_error("--m 2 --m 3", 2, {"--m"});
+    expect_error("--width 0 --height 0", 2, {"--width", "'0'"});
+    expect_error("builtin:sky --m 2 --method uniform --k 5", 2, {"k = 5", "1 to 4"});
+    expect_error("builtin:sky --m 5", 2, {"m = 5"});
+    expect_error("builtin:sky -o no/such/folder.exr", 2, {"no/such/folder.exr"});
+    expect_error("builtin:sky -o out.jpg", 2, {"out.jpg", ".exr"});
+    expect_error("builtin:sky --stats no/such/s.json", 2, {"no/such/s.json"});
+    expect_error("builtin:sky --plan plan.svg", 2, {"plan.svg", ".dot"});
+    expect_error("builtin:sky --capture nothing=x.exr", 2, {"nothing"});
+    expect_error("builtin:sky --capture nothing", 2, {"NAME=FILE"});
+    expect_error("builtin:sky --aov -o out.png", 2, {"--aov", "out.png"});
+    expect_error("builtin:sky --reference garbage.exr", 2, {"garbage.exr"});
+    expect_error("builtin:sky --rig list.json", 2, {"list.json"});
+    expect_error("builtin:sky --config list.json", 2, {"list.json"});
+    expect_error("builtin:sky --camera nobody", 2, {"--camera", "nobody"});
+    expect_error("builtin:sky --camera '0,0,0 0,0,0 60'", 2, {"--camera"});
+    expect_error("builtin:sky --environment blue", 2, {"--environment", "blue"});
+    expect_error("builtin:wires --width 16000 --height 4 --m 4", 2, {"64000", "16"});
+}
+
+TEST_F(AdaptiveAaProgram, wrong_size_of_reference_is_refused) {
+    ASSERT_EQ(run("builtin:sky --width 4 --height 4 --quiet -o small.exr").exit_code, 0);
+    expect_error("builtin:sky --width 8 --height 8 --reference small.exr", 2, {"8 x 8", "4 x 4"});
+}
+
+TEST_F(AdaptiveAaProgram, full_disk_is_an_error_and_leaves_nothing) {
+    expect_error(
+        "builtin:sky --width 64 --height 64 --stats /dev/full --frames 1", 2, {"/dev/full"});
+    const std::set<std::string> before = files();
+    const Result limited = run("builtin:sky --width 64 --height 64 -o out.exr", "ulimit -f 1;");
+    EXPECT_EQ(limited.exit_code, 2) << limited.text;
+    EXPECT_EQ(files(), before);
+}
+
+TEST_F(AdaptiveAaProgram, missing_device_or_memory_is_exit_code_3) {
+    expect_error("builtin:sky -o out.exr", 3, {"Vulkan"},
+        "VK_DRIVER_FILES=/nonexistent.json VK_ICD_FILENAMES=/nonexistent.json");
+    expect_error("builtin:sky --gpu nothing", 3, {"--gpu 'nothing'"});
+    expect_error("builtin:wires --memory-budget 8 -o out.exr", 3, {"budget"});
+}
+
+TEST_F(AdaptiveAaProgram, help_version_and_devices) {
+    const Result help = run("--help");
+    EXPECT_EQ(help.exit_code, 0);
+    for (const char* flag : {"--m", "--method", "--stall", "--c-depth", "default 60"}) {
+        EXPECT_NE(help.text.find(flag), std::string::npos) << flag;
+    }
+    EXPECT_EQ(run("--version").text.rfind("Ockham 0.", 0), 0u);
+    const Result gpus = run("--list-gpus");
+    EXPECT_EQ(gpus.exit_code, 0);
+    EXPECT_NE(gpus.text.find("score"), std::string::npos);
+}
+
+TEST_F(AdaptiveAaProgram, table_has_a_row_per_method_and_width) {
+    const Result result =
+        run("builtin:wires --width 32 --height 24 --m-max 2 --stall 16 --repeats 1 --quiet --out t",
+            "", "aa_table");
+    ASSERT_EQ(result.exit_code, 0) << result.text;
+    const std::string csv = read_text(folder / "t.csv");
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4) << csv;
+    EXPECT_NE(read_text(folder / "t.md").find("| 2x2 | Adaptive |"), std::string::npos);
+}
+
+} // namespace
+} // namespace ockham
