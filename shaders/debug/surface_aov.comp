@@ -18,8 +18,7 @@ layout(binding = 5, r32ui) uniform writeonly uimage2D aov_material;
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, ivec2(frame.data.size)))) return;
-    uint index = frame.data.order[0];
-    ivec2 position = pixel * int(frame.data.m) + ivec2(index % frame.data.m, index / frame.data.m);
+    ivec2 position = pixel * int(frame.data.m) + window_offset(int(frame.data.order[0]));
     SurfaceSample s = fetch_surface(position);
     bool hit = s.depth > 0.0;
     imageStore(aov_surface, pixel, hit ? vec4(s.normal, view_depth(s.depth)) : vec4(vec3(0.0), 1.0 / 0.0));

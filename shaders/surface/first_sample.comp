@@ -14,6 +14,6 @@ layout(binding = 9, rgba32f) uniform writeonly image2D first_sample;
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, ivec2(frame.data.size)))) return;
-    vec4 radiance = shade_sample(sample_position(pixel, frame.data.order[0]), float(frame.data.m));
+    vec4 radiance = shade_sample(pixel, frame.data.order[0], float(frame.data.m));
     imageStore(first_sample, pixel, radiance);
 }

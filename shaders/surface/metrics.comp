@@ -44,7 +44,7 @@ void main() {
     uint first_word = 0u, hits = 0u;
     bool normals_differ = false;
     for (int i = 0; i < m * m; ++i) {
-        ivec2 position = pixel * m + ivec2(i % m, i / m);
+        ivec2 position = pixel * m + window_offset(i);
         float stored = texelFetch(gbuffer_depth, position, 0).x;
         float d = view_depth(stored);
         depth_sum += d;
@@ -67,7 +67,7 @@ void main() {
     vec3 mean_normal = normalize(normal_sum);
     float smallest = 1.0;
     for (int i = 0; i < compared; ++i) {
-        ivec2 position = pixel * m + ivec2(i % m, i / m);
+        ivec2 position = pixel * m + window_offset(i);
         if (texelFetch(gbuffer_depth, position, 0).x > 0.0) {
             smallest = min(smallest, abs(dot(mean_normal, unpack_normal(texelFetch(gbuffer, position, 0)))));
         }

@@ -70,7 +70,7 @@ void main() {
     uint last = min(min(push.last, k), first + push.loop_bound);
     for (uint i = first; i < last; ++i) {
         uint index = all_samples ? i : frame.data.order[i];
-        sum += shade_sample(sample_position(pixel, index), widening);
+        sum += shade_sample(pixel, index, widening);
     }
     imageStore(shaded_sum, pixel, sum);
 }

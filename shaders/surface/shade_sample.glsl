@@ -41,12 +41,12 @@ bool discontinuous(ivec2 position, SurfaceSample s, ivec2 offset) {
     return length(difference) > 0.5 * length(step) + 4.0 / 1048576.0;
 }
 
-/// Factors by which the sample's own footprint is widened along x and y.
-vec2 footprint_scale(ivec2 position, SurfaceSample s, float widening) {
+/// Factors by which the sample's own footprint is widened along x and y. `offset`: its place in the
+/// window.
+vec2 footprint_scale(ivec2 position, ivec2 offset, SurfaceSample s, float widening) {
     if (widening <= 1.0) return vec2(1.0);
     int m = int(frame.data.m);
-    ivec2 local = position % m;
-    ivec2 far_side = mix(ivec2(0), ivec2(m - 1), lessThan(2 * local, ivec2(m))) - local;
+    ivec2 far_side = mix(ivec2(0), ivec2(m - 1), lessThan(2 * offset, ivec2(m))) - offset;
     return vec2(discontinuous(position, s, ivec2(far_side.x, 0)) ? 1.0 : widening,
         discontinuous(position, s, ivec2(0, far_side.y)) ? 1.0 : widening);
 }
@@ -101,10 +101,12 @@ float stall() {
     return x < -1.0 ? 0.0 : 1.0;
 }
 
-/// `position`: of the sample in the G-buffer. `widening`: how much wider than one sample, per
+/// `index`: of the sample in the pixel's window, row-major. `widening`: how much wider than one sample, per
 /// axis, the part of the pixel is that this sample stands for: m / sqrt(k).
 /// Returns linear radiance, and 1 where a surface is hit, 0 on background.
-vec4 shade_sample(ivec2 position, float widening) {
+vec4 shade_sample(ivec2 pixel, uint index, float widening) {
+    ivec2 offset = window_offset(int(index));
+    ivec2 position = pixel * int(frame.data.m) + offset;
     SurfaceSample s = fetch_surface(position);
     float unstalled = stall();
     if (s.depth <= 0.0) return vec4(frame.data.background * unstalled, 0.0);
@@ -117,7 +119,7 @@ vec4 shade_sample(ivec2 position, float widening) {
     float roughness = material.roughness;
     float occlusion = 1.0;
 #if defined(COLOR_TEXTURES) || defined(DATA_TEXTURES)
-    vec2 scale = footprint_scale(position, s, widening);
+    vec2 scale = footprint_scale(position, offset, s, widening);
 #endif
 #ifdef COLOR_TEXTURES
     if (material.base_color_texture.layer >= 0)
@@ -178,10 +180,4 @@ vec4 shade_sample(ivec2 position, float widening) {
         }
     }
     return vec4(radiance * unstalled, 1.0);
-}
-
-/// Position in the G-buffer of a sample of a pixel's window.
-ivec2 sample_position(ivec2 pixel, uint index) {
-    uint m = frame.data.m;
-    return pixel * int(m) + ivec2(index % m, index / m);
 }

@@ -36,6 +36,12 @@ SurfaceSample fetch_surface(ivec2 position) {
     return s;
 }
 
+/// Place in the window of its index-th sample, row-major.
+ivec2 window_offset(int index) {
+    int m = int(frame.data.m);
+    return ivec2(index % m, index / m);
+}
+
 /// Distance along the camera's forward axis, world units. Background: frame.background_depth.
 float view_depth(float stored) {
     if (stored <= 0.0) return frame.data.background_depth;
