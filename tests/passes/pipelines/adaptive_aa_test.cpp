@@ -1,0 +1,467 @@
+// SPDX-License-Identifier: Apache-2.0
+// Identities of whole pictures, bit for bit: methods that must agree do, and the plan holds only
+// what the scene and the window need.
+#include "framework/core/image.hpp"
+#include "framework/graph/dump.hpp"
+#include "framework/scene/builtin.hpp"
+#include "passes/pipelines/adaptive_aa.hpp"
+#include "tests/support/gpu_fixture.hpp"
+#include "tests/support/pass_bench.hpp"
+#include "tests/support/surface_scenes.hpp"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+namespace ockham::test {
+namespace {
+
+using Bits = std::vector<std::uint32_t>;
+
+Bits bits_of(const Image& image) {
+    const std::vector<float> values = interleaved(image);
+    Bits bits(values.size());
+    std::memcpy(bits.data(), values.data(), values.size() * sizeof(float));
+    return bits;
+}
+
+/// How many texels differ, and the first that does: failures of thousands of numbers are no help.
+testing::AssertionResult equal_bits(const Image& a, const Image& b) {
+    if (a.width() != b.width() || a.height() != b.height())
+        return testing::AssertionFailure() << "sizes differ";
+    const Bits x = bits_of(a), y = bits_of(b);
+    std::size_t count = 0, first = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        if (x[i] != y[i] && count++ == 0) first = i;
+    }
+    if (count == 0) return testing::AssertionSuccess();
+    const std::size_t pixel = first / a.channels().size();
+    return testing::AssertionFailure()
+           << count << " of " << x.size() << " numbers differ, first in pixel ("
+           << pixel % static_cast<std::size_t>(a.width()) << ", "
+           << pixel / static_cast<std::size_t>(a.width()) << "): " << std::bit_cast<float>(x[first])
+           << " and " << std::bit_cast<float>(y[first]);
+}
+
+class AdaptiveAaTest : public GpuTest {
+protected:
+    static void SetUpTestSuite() { varied_ = std::make_unique<LitScene>(device(), varied_scene()); }
+    static void TearDownTestSuite() { varied_.reset(); } // before the device goes
+    static const LitScene& varied() { return *varied_; }
+    static const Camera& camera() { return varied().scene().cameras.front(); }
+
+    static AdaptiveAaParams params(
+        std::uint32_t width, std::uint32_t height, std::uint32_t m, AaMethod method) {
+        AdaptiveAaParams p;
+        p.width = width;
+        p.height = height;
+        p.m = m;
+        p.method = method;
+        p.export_counts = true;
+        return p;
+    }
+    static Image render(const AdaptiveAaParams& p) {
+        AdaptiveAa aa(device(), varied(), camera(), p);
+        aa.execute();
+        return aa.picture();
+    }
+    static Image render(
+        std::uint32_t width, std::uint32_t height, std::uint32_t m, AaMethod method) {
+        return render(params(width, height, m, method));
+    }
+    static MetricsParams weights(float depth, float normal, float shading) {
+        MetricsParams metrics;
+        metrics.depth_weight = depth;
+        metrics.normal_weight = normal;
+        metrics.shading_weight = shading;
+        return metrics;
+    }
+    static std::string explanation(AdaptiveAa& aa) {
+        return explain(aa.executor().graph().declaration(), aa.executor().plan());
+    }
+    static bool runs(AdaptiveAa& aa, std::string_view pass) {
+        const Declaration& declaration = aa.executor().graph().declaration();
+        for (std::size_t i = 0; i < declaration.passes.size(); ++i) {
+            if (declaration.passes[i].name == pass) return !aa.executor().plan().passes[i].culled;
+        }
+        return false;
+    }
+    static bool has(AdaptiveAa& aa, std::string_view resource) {
+        for (const ResourceDecl& r : aa.executor().graph().declaration().resources) {
+            if (r.name == resource) return true;
+        }
+        return false;
+    }
+
+private:
+    inline static std::unique_ptr<LitScene> varied_;
+};
+
+struct Size {
+    std::uint32_t width, height;
+};
+constexpr Size kSizes[] = {{1, 1}, {7, 5}, {33, 21}};
+
+TEST_F(AdaptiveAaTest, SceneShowsWhatTheIdentitiesAreAbout) {
+    const AdaptiveAaParams p = params(64, 48, 4, AaMethod::adaptive);
+    AdaptiveAa aa(device(), varied(), camera(), p);
+    aa.execute();
+    const auto counts = aa.sample_counts();
+    EXPECT_GT(counts.histogram.front(), 64u * 48 / 10) << "flat pixels";
+    EXPECT_GT(counts.histogram.back(), 20u) << "edges";
+    std::size_t used = 0;
+    for (const std::uint64_t count : counts.histogram) used += count > 0;
+    EXPECT_GE(used, 6u) << "many different counts";
+    const Image picture = aa.picture();
+    float low = 1, high = 0;
+    for (const float alpha : picture.plane("A")) {
+        low = std::min(low, alpha);
+        high = std::max(high, alpha);
+    }
+    EXPECT_EQ(low, 0.0f) << "sky";
+    EXPECT_EQ(high, 1.0f);
+}
+
+TEST_F(AdaptiveAaTest, OneSampleWindowIsPlainDeferredByEveryMethod) {
+    for (const Size size : kSizes) {
+        const Image plain = render(size.width, size.height, 1, AaMethod::none);
+        EXPECT_TRUE(equal_bits(plain, render(size.width, size.height, 4, AaMethod::none)));
+        for (const AaMethod method : {AaMethod::uniform, AaMethod::ssaa, AaMethod::adaptive}) {
+            EXPECT_TRUE(equal_bits(plain, render(size.width, size.height, 1, method)));
+        }
+    }
+}
+
+TEST_F(AdaptiveAaTest, UniformWithAllSamplesIsFullSupersampling) {
+    for (const std::uint32_t m : {2u, 3u, 4u, 8u}) {
+        for (const Size size : kSizes) {
+            SCOPED_TRACE(testing::Message() << size.width << "x" << size.height << ", m = " << m);
+            AdaptiveAaParams p = params(size.width, size.height, m, AaMethod::uniform);
+            p.k = m * m;
+            EXPECT_TRUE(equal_bits(render(p), render(size.width, size.height, m, AaMethod::ssaa)));
+        }
+    }
+}
+
+TEST_F(AdaptiveAaTest, FullSupersamplingIsTheBoxFilterOfALargerPicture) {
+    for (const std::uint32_t m : {2u, 3u, 4u, 8u}) {
+        for (const Size size : kSizes) {
+            SCOPED_TRACE(testing::Message() << size.width << "x" << size.height << ", m = " << m);
+            const Image large = render(m * size.width, m * size.height, 1, AaMethod::none);
+            Image filtered(
+                static_cast<int>(size.width), static_cast<int>(size.height), {"R", "G", "B", "A"});
+            const int w = static_cast<int>(m);
+            for (int y = 0; y < filtered.height(); ++y) {
+                for (int x = 0; x < filtered.width(); ++x) {
+                    for (int c = 0; c < 4; ++c) {
+                        float sum = 0.0f;
+                        for (int i = 0; i < w * w; ++i)
+                            sum += large.at(x * w + i % w, y * w + i / w, c);
+                        filtered.at(x, y, c) = sum / static_cast<float>(w * w);
+                    }
+                }
+            }
+            EXPECT_TRUE(equal_bits(render(size.width, size.height, m, AaMethod::ssaa), filtered));
+        }
+    }
+}
+
+TEST_F(AdaptiveAaTest, PixelsWithAllSamplesEqualFullSupersamplingAndWithOneS) {
+    for (const std::uint32_t m : {2u, 3u, 4u, 8u}) {
+        for (const Dispatch dispatch : {Dispatch::buckets, Dispatch::loop}) {
+            const Size size{33, 21};
+            SCOPED_TRACE(
+                testing::Message() << "m = " << m << ", loop " << (dispatch == Dispatch::loop));
+            AdaptiveAaParams p = params(size.width, size.height, m, AaMethod::adaptive);
+            p.dispatch = dispatch;
+            p.captures = {"first_sample"};
+            p.metrics = weights(1e9f, 1e9f, 0.0f); // whatever is not flat and not sky
+            AdaptiveAa aa(device(), varied(), camera(), p);
+            aa.execute();
+            const Image picture = aa.picture(), k = aa.executor().read(aa.outputs().sample_count);
+            const Image s = aa.executor().read(aa.outputs().first_sample);
+            const Image full = render(size.width, size.height, m, AaMethod::ssaa);
+            std::size_t all = 0, one = 0, wrong = 0;
+            for (int y = 0; y < picture.height(); ++y) {
+                for (int x = 0; x < picture.width(); ++x) {
+                    const int count = static_cast<int>(k.at(x, y, 0));
+                    ASSERT_TRUE(count == 1 || count == static_cast<int>(m * m)) << count;
+                    (count == 1 ? one : all) += 1;
+                    const Image& expected = count == 1 ? s : full;
+                    for (int c = 0; c < 4; ++c)
+                        wrong += picture.at(x, y, c) != expected.at(x, y, c);
+                }
+            }
+            EXPECT_EQ(wrong, 0u);
+            EXPECT_GT(all, picture.pixels() / 4);
+            EXPECT_GT(one, picture.pixels() / 16) << "sky";
+        }
+    }
+}
+
+TEST_F(AdaptiveAaTest, WithoutWeightsThePictureIsS) {
+    for (const std::uint32_t m : {2u, 3u, 4u}) {
+        for (const Size size : kSizes) {
+            AdaptiveAaParams p = params(size.width, size.height, m, AaMethod::adaptive);
+            p.metrics = weights(0, 0, 0);
+            p.captures = {"first_sample"};
+            AdaptiveAa aa(device(), varied(), camera(), p);
+            aa.execute();
+            EXPECT_TRUE(equal_bits(aa.picture(), aa.executor().read(aa.outputs().first_sample)));
+            EXPECT_EQ(aa.sample_counts().percent, 100.0 / (m * m));
+        }
+    }
+}
+
+TEST_F(AdaptiveAaTest, UniformWithOneSampleIsS) {
+    for (const std::uint32_t m : {2u, 3u, 4u}) {
+        AdaptiveAaParams p = params(33, 21, m, AaMethod::uniform);
+        const Image uniform = render(p);
+        p.method = AaMethod::adaptive;
+        p.metrics = weights(0, 0, 0);
+        EXPECT_TRUE(equal_bits(uniform, render(p))) << "m = " << m;
+    }
+}
+
+TEST_F(AdaptiveAaTest, LoopAndBucketsMakeTheSamePicture) {
+    for (const std::uint32_t m : {2u, 3u, 4u, 8u}) {
+        for (const Size size : kSizes) {
+            SCOPED_TRACE(testing::Message() << size.width << "x" << size.height << ", m = " << m);
+            AdaptiveAaParams p = params(size.width, size.height, m, AaMethod::adaptive);
+            const Image buckets = render(p);
+            p.dispatch = Dispatch::loop;
+            EXPECT_TRUE(equal_bits(buckets, render(p)));
+        }
+    }
+}
+
+TEST_F(AdaptiveAaTest, EveryRunMakesTheSamePicture) {
+    const AdaptiveAaParams p = params(64, 48, 3, AaMethod::adaptive);
+    AdaptiveAa aa(device(), varied(), camera(), p);
+    aa.execute();
+    const Image first = aa.picture();
+    aa.execute();
+    EXPECT_TRUE(equal_bits(first, aa.picture())) << "executed again";
+    EXPECT_TRUE(equal_bits(first, render(p))) << "made again";
+}
+
+TEST_F(AdaptiveAaTest, StallChangesNoBit) {
+    AdaptiveAaParams p = params(33, 21, 3, AaMethod::adaptive);
+    const Image plain = render(p);
+    p.stall = 1000;
+    EXPECT_TRUE(equal_bits(plain, render(p)));
+}
+
+TEST_F(AdaptiveAaTest, WorkSplitOverSeveralDispatchesGivesTheSamePicture) {
+    for (const AaMethod method : {AaMethod::adaptive, AaMethod::ssaa}) {
+        for (const Dispatch dispatch : {Dispatch::buckets, Dispatch::loop}) {
+            AdaptiveAaParams p = params(7, 5, 8, method);
+            p.dispatch = dispatch;
+            const Image whole = render(p);
+            p.stall = 40000; // 2,500 iterations a sample: at most 19 samples a dispatch
+            AdaptiveAa aa(device(), varied(), camera(), p);
+            EXPECT_TRUE(runs(aa, "shade.1"));
+            aa.execute();
+            EXPECT_TRUE(equal_bits(whole, aa.picture()));
+            if (method == AaMethod::ssaa) break; // has no dispatch mode
+        }
+    }
+}
+
+TEST_F(AdaptiveAaTest, SkyAloneTakesOneSampleAPixel) {
+    Scene sky;
+    sky.background = {0.25f, 0.5f, 3.0f};
+    const LitScene lit(device(), sky);
+    for (const std::uint32_t m : {2u, 3u, 4u, 8u}) {
+        const AdaptiveAaParams p = params(33, 21, m, AaMethod::adaptive);
+        AdaptiveAa aa(device(), lit, look_at({0, 0, 5}, {0, 0, 0}, 60), p);
+        aa.execute();
+        const auto counts = aa.sample_counts();
+        EXPECT_EQ(counts.percent, 100.0 / (m * m)) << "m = " << m;
+        EXPECT_EQ(counts.histogram.front(), 33u * 21);
+        const Image picture = aa.picture();
+        for (std::size_t i = 0; i < picture.pixels(); ++i) {
+            ASSERT_EQ(picture.plane("R")[i], 0.25f);
+            ASSERT_EQ(picture.plane("B")[i], 3.0f);
+            ASSERT_EQ(picture.plane("A")[i], 0.0f);
+        }
+    }
+}
+
+TEST_F(AdaptiveAaTest, SkyAroundALargeSceneStillTakesOneSample) {
+    // The background's view depth grows with the scene; its rounding noise must not cost samples.
+    for (const float scale : {1.0f, 100.0f, 10000.0f}) {
+        Scene scene;
+        scene.materials = {unlit_material()};
+        add(scene, rectangle({-scale, -scale, 0}, {scale, 0, 0}, {0, scale, 0}));
+        const LitScene lit(device(), scene);
+        const AdaptiveAaParams p = params(33, 21, 3, AaMethod::adaptive);
+        AdaptiveAa aa(device(), lit, look_at({0, 0, 3 * scale}, {0, 0, 0}, 60), p);
+        aa.execute();
+        const Image k = aa.executor().read(aa.outputs().sample_count), picture = aa.picture();
+        for (int y = 0; y < 8; ++y) // above the rectangle, which fills a lower quarter
+            for (int x = 0; x < 33; ++x) ASSERT_EQ(k.at(x, y, 0), 1.0f) << "scale " << scale;
+    }
+}
+
+TEST_F(AdaptiveAaTest, SilhouetteAgainstTheSkyTakesAllSamples) {
+    Scene scene;
+    scene.background = glm::vec3(0.5f);
+    scene.materials = {unlit_material(glm::vec3(0.5f))}; // same colour: only depth shows the edge
+    add(scene, rectangle({-1, -1, 0}, {1.03f, 0, 0}, {0, 2, 0}));
+    const LitScene lit(device(), scene);
+    const AdaptiveAaParams p = params(32, 32, 4, AaMethod::adaptive);
+    AdaptiveAa aa(device(), lit, look_at({0, 0, 5}, {0, 0, 0}, 20), p);
+    aa.execute();
+    const Image k = aa.executor().read(aa.outputs().sample_count), picture = aa.picture();
+    std::size_t edges = 0;
+    for (int y = 4; y < 28; ++y) {
+        for (int x = 0; x < 32; ++x) {
+            const float alpha = picture.at(x, y, 3);
+            ASSERT_TRUE(std::isfinite(alpha));
+            if (alpha > 0.0f && alpha < 1.0f) {
+                EXPECT_EQ(k.at(x, y, 0), 16.0f);
+                ++edges;
+            }
+        }
+    }
+    EXPECT_GT(edges, 20u);
+}
+
+TEST_F(AdaptiveAaTest, DistantCheckerAveragesAsLight) {
+    // A black and white floor to the horizon: far rows are half the light, not half the code.
+    Scene scene;
+    scene.background = glm::vec3(0.5f);
+    Material material = unlit_material();
+    material.base_color_texture.image = add_image(scene, 2, 2,
+        [](int x, int y) { return (x + y) % 2 ? glm::u8vec4(255) : glm::u8vec4(0, 0, 0, 255); });
+    scene.materials = {material};
+    add(scene, rectangle({-2000, 0, 0}, {4000, 0, 0}, {0, 0, -4000}, 0, {2000, 2000}));
+    const LitScene lit(device(), scene);
+    for (const AaMethod method : {AaMethod::ssaa, AaMethod::adaptive}) {
+        const AdaptiveAaParams p = params(64, 48, 4, method);
+        AdaptiveAa aa(device(), lit, look_at({0.3f, 2, 0}, {0.3f, 2, -10}, 50), p);
+        aa.execute();
+        const Image picture = aa.picture();
+        double sum = 0;
+        for (int y = 25; y < 27; ++y)
+            for (int x = 0; x < 64; ++x) sum += picture.at(x, y, 1);
+        const double mean = sum / (2 * 64);
+        EXPECT_NEAR(mean, 0.5, 0.01);
+        EXPECT_NEAR(255 * srgb_encode(static_cast<float>(mean)), 188, 1) << "127: averaged as code";
+    }
+}
+
+TEST_F(AdaptiveAaTest, BrokenNormalsAndDegenerateTrianglesLeaveThePictureFinite) {
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    Scene scene = varied_scene();
+    const glm::vec3 odd[] = {glm::vec3(0.0f), glm::vec3(nan), glm::vec3(1e-40f),
+        glm::vec3(std::numeric_limits<float>::infinity())};
+    for (int i = 0; i < 4; ++i) {
+        Primitive p = rectangle(
+            {-3.0f + 1.5f * static_cast<float>(i), 0.5f, 0.5f}, {1.2f, 0, 0}, {0, 1.2f, 0}, i % 2);
+        p.normals.assign(4, odd[i]);
+        add(scene, std::move(p));
+    }
+    add(scene, triangle({0, 1, 1}, {0, 1, 1}, {1, 1, 1}));
+    add(scene, triangle({0, 1, 1}, {0.5f, 1, 1}, {1, 1, 1}));
+    const LitScene lit(device(), std::move(scene));
+    const AdaptiveAaParams p = params(64, 48, 3, AaMethod::adaptive);
+    AdaptiveAa aa(device(), lit, lit.scene().cameras.front(), p);
+    aa.execute();
+    aa.sample_counts(); // checks that 1 <= k <= n
+    for (const float v : interleaved(aa.picture())) ASSERT_TRUE(std::isfinite(v));
+}
+
+TEST_F(AdaptiveAaTest, PlanHoldsWhatTheSceneNeedsAndSaysWhyNot) {
+    Scene plain;
+    plain.materials = {Material{}};
+    add(plain, rectangle({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}));
+    const LitScene lit(device(), plain);
+    const Camera front = look_at({0, 0, 3}, {0, 0, 0}, 60);
+    AdaptiveAa aa(device(), lit, front, params(16, 16, 2, AaMethod::adaptive));
+    for (const char* absent : {"color_textures", "data_textures", "shadow_map", "gbuffer.extra"}) {
+        EXPECT_FALSE(has(aa, absent)) << absent;
+        EXPECT_NE(explanation(aa).find(absent), std::string::npos) << absent;
+    }
+    EXPECT_TRUE(runs(aa, "metrics"));
+    EXPECT_TRUE(runs(aa, "bucket_scatter"));
+
+    AdaptiveAa one(device(), lit, front, params(16, 16, 1, AaMethod::adaptive));
+    for (const char* absent : {"metrics", "bucket_count", "bucket_scan", "bucket_arguments",
+             "bucket_scatter", "shade", "resolve"}) {
+        EXPECT_FALSE(runs(one, absent)) << absent;
+        EXPECT_NE(explanation(one).find(absent), std::string::npos) << absent;
+    }
+    AdaptiveAaParams p = params(16, 16, 2, AaMethod::adaptive);
+    p.dispatch = Dispatch::loop;
+    AdaptiveAa loop(device(), lit, front, p);
+    EXPECT_FALSE(runs(loop, "bucket_count"));
+    EXPECT_NE(explanation(loop).find("--dispatch loop"), std::string::npos);
+
+    AdaptiveAa full(device(), varied(), camera(), params(16, 16, 2, AaMethod::adaptive));
+    for (const char* present : {"color_textures", "data_textures", "gbuffer.extra"})
+        EXPECT_TRUE(has(full, present)) << present;
+}
+
+TEST_F(AdaptiveAaTest, VeryWidePictureOfOneRow) {
+    const AdaptiveAaParams p = params(8191, 1, 2, AaMethod::adaptive);
+    AdaptiveAa aa(device(), varied(), camera(), p);
+    aa.execute();
+    const auto counts = aa.sample_counts();
+    std::uint64_t pixels = 0;
+    for (const std::uint64_t count : counts.histogram) pixels += count;
+    EXPECT_EQ(pixels, 8191u);
+    for (const float v : interleaved(aa.picture())) ASSERT_TRUE(std::isfinite(v));
+}
+
+TEST_F(AdaptiveAaTest, ImpossibleParametersAreRefusedInWords) {
+    const auto text = [&](AdaptiveAaParams p) {
+        return error_of([&] { AdaptiveAa aa(device(), varied(), camera(), p); });
+    };
+    const auto expect_names = [](const std::string& found,
+                                  std::initializer_list<const char*> words) {
+        EXPECT_FALSE(found.empty());
+        for (const char* word : words)
+            EXPECT_NE(found.find(word), std::string::npos) << "'" << word << "' in: " << found;
+    };
+    expect_names(text(params(0, 0, 4, AaMethod::adaptive)), {"0 x 0"});
+    expect_names(text(params(8, 16385, 1, AaMethod::none)), {"8 x 16385", "16384"});
+    expect_names(text(params(8, 8, 0, AaMethod::adaptive)), {"m = 0", "1 to 8"});
+    expect_names(text(params(8, 8, 9, AaMethod::ssaa)), {"m = 9", "1 to 8"});
+    expect_names(text(params(8, 8, 5, AaMethod::adaptive)), {"m = 5", "1, 2, 3, 4 or 8"});
+    AdaptiveAaParams uniform = params(8, 8, 2, AaMethod::uniform);
+    uniform.k = 5;
+    expect_names(text(uniform), {"k = 5", "1 to 4"});
+    uniform.k = 0;
+    expect_names(text(uniform), {"k = 0", "1 to 4"});
+    const std::uint32_t limit = device().limits().image_extent;
+    const std::uint32_t wide = std::min(limit, 16384u);
+    expect_names(text(params(wide, 1, 2, AaMethod::adaptive)),
+        {std::to_string(wide).c_str(), std::to_string(2 * wide).c_str(),
+            std::to_string(limit).c_str()});
+    AdaptiveAaParams stalled = params(8, 8, 2, AaMethod::adaptive);
+    stalled.stall = 16 * 50000;
+    expect_names(text(stalled), {"iterations", "50000", "stall"});
+    AdaptiveAaParams captured = params(8, 8, 2, AaMethod::adaptive);
+    captured.captures = {"nonsense"};
+    expect_names(text(captured), {"nonsense"});
+}
+
+TEST_F(AdaptiveAaTest, AovsShowWhatTheFirstSampleSaw) {
+    AdaptiveAaParams p = params(33, 21, 2, AaMethod::adaptive);
+    const Image plain = render(p);
+    p.aov = true;
+    AdaptiveAa aa(device(), varied(), camera(), p);
+    aa.execute();
+    EXPECT_TRUE(equal_bits(plain, aa.picture())) << "looking changes nothing";
+    for (const ImageHandle image : {aa.outputs().aov_surface, aa.outputs().aov_material,
+             aa.outputs().winner, aa.outputs().sample_count, aa.outputs().first_sample}) {
+        ASSERT_TRUE(bool(image));
+        EXPECT_EQ(aa.executor().read(image).width(), 33);
+    }
+}
+
+} // namespace
+} // namespace ockham::test
