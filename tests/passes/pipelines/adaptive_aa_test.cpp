@@ -145,7 +145,7 @@ TEST_F(AdaptiveAaTest, UniformWithAllSamplesIsFullSupersampling) {
 }
 
 TEST_F(AdaptiveAaTest, FullSupersamplingIsTheBoxFilterOfALargerPicture) {
-    for (const std::uint32_t m : {2u, 3u, 4u, 8u}) {
+    for (const std::uint32_t m : {2u, 3u, 4u, 5u, 7u, 8u}) {
         for (const Size size : kSizes) {
             SCOPED_TRACE(testing::Message() << size.width << "x" << size.height << ", m = " << m);
             const Image large = render(m * size.width, m * size.height, 1, AaMethod::none);

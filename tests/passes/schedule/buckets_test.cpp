@@ -138,5 +138,20 @@ TEST_F(BucketsTest, OneBucketHoldsEveryPixel) {
     sorter.expect_sorted(std::vector<std::uint8_t>(33 * 9, 1));
 }
 
+TEST_F(BucketsTest, BucketsBeyond65535GroupsSpreadOverTwoAxes) {
+    constexpr std::uint32_t kWidth = 4096, kHeight = 1025; // 65,600 workgroups of 64
+    PassBench bench(device());
+    const ImageHandle map = bench.image("sample_count", VK_FORMAT_R8_UINT, kWidth, kHeight,
+        std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight, 2));
+    const Buckets buckets = add_buckets(bench.graph, map, {kWidth, kHeight, 2});
+    bench.graph.export_resource(buckets.arguments, "test");
+    bench.execute();
+    const auto arguments = bench.read<shader::DispatchArguments>(buckets.arguments);
+    EXPECT_EQ(arguments[0].x * arguments[0].y, 0u);
+    EXPECT_EQ(arguments[1].x, 32800u);
+    EXPECT_EQ(arguments[1].y, 2u);
+    EXPECT_EQ(arguments[1].z, 1u);
+}
+
 } // namespace
 } // namespace ockham::test
