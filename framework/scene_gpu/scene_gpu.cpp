@@ -34,9 +34,15 @@ private:
     std::vector<TextureLayer> layers_;
 };
 
-shader::UvMap uv_map(const TextureUse& use) {
+/// Half a texel: as close as a coordinate may come to a border that does not repeat.
+glm::vec2 half_texel(const TextureImage& image) {
+    return 0.5f / glm::vec2(image.width, image.height);
+}
+
+shader::UvMap uv_map(const TextureUse& use, glm::vec2 inset) {
     return {.u = use.transform_u,
         .v = use.transform_v,
+        .inset = inset,
         .set = static_cast<std::uint32_t>(use.uv_set),
         .wrap = static_cast<std::uint32_t>(use.wrap_u) | static_cast<std::uint32_t>(use.wrap_v)
                                                              << 2};
@@ -69,19 +75,31 @@ public:
             reference(data_, material, material.metallic_roughness_texture, {});
         out.occlusion_texture = reference(data_, material, material.occlusion_texture, {});
         for (std::size_t i = 0; i < 2; ++i) {
-            out.uv[i] = uv_map(i < slots_.size() ? *slots_[i] : TextureUse{});
+            out.uv[i] = i < slots_.size() ? uv_map(*slots_[i].use, slots_[i].inset)
+                                          : uv_map(TextureUse{}, glm::vec2(0.0f));
         }
         out.normal_texture = layer_of(data_, material.normal_texture, {});
         out.normal_texture.slot = 2;
-        out.uv[2] = uv_map(material.normal_texture);
+        const TextureUse& bump = material.normal_texture;
+        out.uv[2] = uv_map(bump, bump.used() ? half_texel(image_of(bump)) : glm::vec2(0.0f));
         return out;
     }
 
 private:
+    /// Coordinates that one or more images share.
+    struct Slot {
+        const TextureUse* use;
+        glm::vec2 inset; ///< of the coarsest of them
+    };
+
+    const TextureImage& image_of(const TextureUse& use) const {
+        return scene_.images[static_cast<std::size_t>(use.image)];
+    }
+
     shader::TextureRef layer_of(
         LayerList& list, const TextureUse& use, std::optional<float> cutoff) {
         if (!use.used()) return {.layer = -1, .slot = 0, .size = glm::vec2(1.0f)};
-        const TextureImage& image = scene_.images[static_cast<std::size_t>(use.image)];
+        const TextureImage& image = image_of(use);
         return {.layer = list.add(scene_, use.image, cutoff),
             .slot = 0,
             .size = glm::vec2(image.width, image.height)};
@@ -91,7 +109,7 @@ private:
         std::optional<float> cutoff) {
         shader::TextureRef ref = layer_of(list, use, cutoff);
         if (!use.used()) return ref;
-        const auto same = [&](const TextureUse* slot) { return slot->same_coordinates(use); };
+        const auto same = [&](const Slot& slot) { return slot.use->same_coordinates(use); };
         auto found = std::find_if(slots_.begin(), slots_.end(), same);
         if (found == slots_.end() && slots_.size() == 2) {
             log::warning("material '{}': its images use more than two different sets of texture "
@@ -99,9 +117,10 @@ private:
                 material.name);
             found = slots_.end() - 1;
         } else if (found == slots_.end()) {
-            slots_.push_back(&use);
+            slots_.push_back({&use, glm::vec2(0.0f)});
             found = slots_.end() - 1;
         }
+        found->inset = glm::max(found->inset, half_texel(image_of(use)));
         ref.slot = static_cast<std::uint32_t>(found - slots_.begin());
         return ref;
     }
@@ -109,7 +128,7 @@ private:
     const Scene& scene_;
     LayerList& color_;
     LayerList& data_;
-    std::vector<const TextureUse*> slots_;
+    std::vector<Slot> slots_;
 };
 
 shader::LightData light_data(const Light& light) {

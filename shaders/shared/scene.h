@@ -18,15 +18,16 @@ struct InstanceData {
 struct UvMap {
     vec3 u;
     vec3 v;
-    uint set;  ///< texture coordinate set, 0 or 1
-    uint wrap; ///< Wrap of u in bits 0-1, of v in bits 2-3
+    vec2 inset; ///< half a texel: where clamped and mirrored coordinates stop before the border
+    uint set;   ///< texture coordinate set, 0 or 1
+    uint wrap;  ///< Wrap of u in bits 0-1, of v in bits 2-3
 };
 
 /// An image in one of the two texture arrays.
 struct TextureRef {
-    int layer;  ///< -1: none
-    uint slot;  ///< which of the material's UvMaps, 0 or 1 (2: normal map's own)
-    vec2 size;  ///< native texels; the array's layers are padded to a common size
+    int layer; ///< -1: none
+    uint slot; ///< which of the material's UvMaps, 0 or 1 (2: normal map's own)
+    vec2 size; ///< native texels; the array's layers are padded to a common size
 };
 
 #define MATERIAL_UNLIT 1u

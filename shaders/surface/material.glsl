@@ -16,16 +16,17 @@ vec2 map_uv_change(UvMap map, vec2 uv0, vec2 uv1) {
 }
 
 /// Wrap modes on top of a repeating sampler: clamped and mirrored coordinates are folded into
-/// [0,1], a hair inside, so that a filter at the border meets as little of the other side as can be.
-float wrap_coordinate(float x, uint mode) {
-    if (mode == 1u) return clamp(x, 1.0 / 4096.0, 1.0 - 1.0 / 4096.0);
+/// [0,1], half a texel inside, so that a filter at the border does not meet the other side.
+float wrap_coordinate(float x, uint mode, float inset) {
+    if (mode == 1u) return clamp(x, inset, 1.0 - inset);
     if (mode == 2u) {
         float t = abs(x - 2.0 * floor(0.5 * x) - 1.0);
-        return clamp(1.0 - t, 1.0 / 4096.0, 1.0 - 1.0 / 4096.0);
+        return clamp(1.0 - t, inset, 1.0 - inset);
     }
     return x;
 }
 
 vec2 wrap_uv(UvMap map, vec2 uv) {
-    return vec2(wrap_coordinate(uv.x, map.wrap & 3u), wrap_coordinate(uv.y, map.wrap >> 2));
+    return vec2(wrap_coordinate(uv.x, map.wrap & 3u, map.inset.x),
+        wrap_coordinate(uv.y, map.wrap >> 2, map.inset.y));
 }

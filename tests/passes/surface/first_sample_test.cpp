@@ -328,12 +328,25 @@ TEST_F(FirstSampleTest, WrapModesFoldTheCoordinates) {
                               : wrap == Wrap::clamp ? std::clamp(x - 4, 0, 3)
                               : x / 4 == 1          ? x % 4
                                                     : 3 - x % 4;
-            // Clamped coordinates stand at the border, where half of the far side is filtered in.
-            if (wrap == Wrap::clamp && (x < 4 || x >= 8)) continue;
             EXPECT_NEAR(255 * srgb_encode(picture.at(x, 0, 0)), codes[texel], 0.5)
                 << "wrap " << static_cast<int>(wrap) << ", pixel " << x;
         }
     }
+}
+
+TEST_F(FirstSampleTest, MirrorsShowTheSameTexelOnBothSidesOfTheirSeam) {
+    // Four texels magnified eight times, mirrored about x = 32: no trace of the far border there.
+    Scene scene;
+    Material material = unlit_material();
+    material.base_color_texture.image = add_image(scene, 4, 1,
+        [](int x, int) { return x == 0 ? glm::u8vec4(0, 0, 0, 255) : glm::u8vec4(255); });
+    material.base_color_texture.wrap_u = Wrap::mirror;
+    material.base_color_texture.transform_u = {1, 0, -1};
+    scene.materials = {material};
+    add(scene, rectangle({0, 0, 0}, {64, 0, 0}, {0, 1, 0}, 0, {2, 1}));
+    const Image picture = render(scene, pixel_camera(64, 1), 64, 1);
+    for (int x = 28; x < 36; ++x) EXPECT_NEAR(picture.at(x, 0, 0), 0.0f, 1e-3f) << x;
+    EXPECT_NEAR(picture.at(0, 0, 0), 1.0f, 1e-3f);
 }
 
 TEST_F(FirstSampleTest, FootprintsStopAtMaterialEdges) {
