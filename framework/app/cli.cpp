@@ -148,6 +148,10 @@ void add_common(Params& params, CommonOptions& o) {
     params.add("stats", &o.stats, "JSON file with times, memory, samples and image error")
         .group(kReport)
         .transient();
+    params
+        .add("trace", &o.trace, "JSON file with the GPU times of all frames as Chrome trace events")
+        .group(kReport)
+        .transient();
     params.add("plan", &o.plan, "file with the graph's plan: .txt, .json or .dot")
         .group(kReport)
         .transient();

@@ -29,6 +29,7 @@ struct CommonOptions {
     bool list_gpus = false;
     std::string validation = "off";
     std::string stats;
+    std::string trace;
     std::string plan;
     bool explain = false;
     std::vector<std::string> captures;

@@ -53,6 +53,20 @@ nlohmann::ordered_json FrameTimes::to_json() const {
     return json;
 }
 
+nlohmann::ordered_json FrameTimes::to_trace() const {
+    nlohmann::ordered_json events = nlohmann::ordered_json::array();
+    double start_us = 0;
+    for (std::size_t frame = 0; frame < frames(); ++frame) {
+        for (std::size_t i = 0; i < passes_.size(); ++i) {
+            const double duration_us = 1e3 * times_[i][frame];
+            events.push_back({{"name", passes_[i]}, {"ph", "X"}, {"ts", start_us},
+                {"dur", duration_us}, {"pid", 0}, {"tid", 0}, {"args", {{"frame", frame}}}});
+            start_us += duration_us;
+        }
+    }
+    return {{"traceEvents", events}, {"displayTimeUnit", "ms"}};
+}
+
 nlohmann::ordered_json statistics(
     const gpu::Device& device, const Plan& plan, const FrameTimes& times) {
     const auto culled = std::count_if(

@@ -26,6 +26,8 @@ public:
     double total_of(bool (*counts)(std::string_view pass)) const;
     /// {pass: {min, median, max}}, ms, in order of execution.
     nlohmann::ordered_json to_json() const;
+    /// The frames one after the other as Chrome's trace events; for chrome://tracing or Perfetto.
+    nlohmann::ordered_json to_trace() const;
 
 private:
     static double median(std::vector<double> values);

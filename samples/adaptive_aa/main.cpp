@@ -98,7 +98,7 @@ AdaptiveAaParams picture_params(const Options& o) {
 
 /// Refuses unwritable outputs before anything is rendered.
 void check_outputs(const Options& o) {
-    std::vector<std::string> files{o.common.stats, o.common.plan};
+    std::vector<std::string> files{o.common.stats, o.common.plan, o.common.trace};
     if (!o.common.output.empty()) {
         is_exr_path(o.common.output);
         files.push_back(o.common.output);
@@ -210,6 +210,10 @@ int render(int argc, char** argv) {
     std::optional<ImageError> error;
     if (reference) error = image_error(result, *reference);
     print_summary(times, counts, error);
+    if (!o.common.trace.empty()) {
+        write_text(o.common.trace, times.to_trace().dump() + "\n");
+        log::info("wrote {}", o.common.trace);
+    }
     if (!o.common.stats.empty()) {
         nlohmann::ordered_json json = statistics(device, aa.executor().plan(), times);
         json["command"] = command;

@@ -78,9 +78,10 @@ protected:
 TEST_F(AdaptiveAaProgram, writes_picture_statistics_plan_and_captures) {
     const std::string size = " --width 33 --height 21 --m 2 --quiet --validation core ";
     ASSERT_EQ(run("builtin:wires" + size + "--method ssaa -o reference.exr").exit_code, 0);
-    const Result result = run("builtin:wires" + size +
-                              "-o out.exr --aov --stats s.json --plan p.json --frames 2 "
-                              "--capture sample_count=k.png --reference reference.exr");
+    const Result result =
+        run("builtin:wires" + size +
+            "-o out.exr --aov --stats s.json --plan p.json --trace t.json --frames 2 "
+            "--capture sample_count=k.png --reference reference.exr");
     ASSERT_EQ(result.exit_code, 0) << result.text;
 
     const Image picture = load_image(folder / "out.exr");
@@ -113,6 +114,9 @@ TEST_F(AdaptiveAaProgram, writes_picture_statistics_plan_and_captures) {
         sum += time["max"].get<double>();
     }
     EXPECT_LE(stats["total_gpu_ms"].get<double>(), sum);
+
+    const nlohmann::json trace = nlohmann::json::parse(read_text(folder / "t.json"));
+    EXPECT_EQ(trace["traceEvents"].size(), 2 * stats["gpu_ms"].size());
 
     const nlohmann::json plan = nlohmann::json::parse(read_text(folder / "p.json"));
     for (const char* list : {"passes", "resources", "barriers"})
