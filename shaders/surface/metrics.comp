@@ -4,8 +4,9 @@
 //   k_n = c_n sqrt(1 - min |mean . normal|)                      mean: normalised
 //   k_s = r < max(t_min, l_max t_edge) ? 0 : c_s r               r: range of luma in S
 //   k   = clamp(ceil(max(k_d, k_n, k_s)), 1, n)
-// Hollaender et al. 2013, section 3.1, to the letter: its weaknesses (fp32 cancellation in k_d, no
-// scale invariance, the dead zone of k_s, a fold that k_n cannot see) are asserted by tests.
+// Hollaender et al. 2013, section 3.1, to the letter but for windows of sky. Its weaknesses (fp32
+// cancellation in k_d, no scale invariance, the dead zone of k_s, a fold that k_n cannot see) are
+// asserted by tests.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -45,10 +45,11 @@ bool discontinuous(ivec2 position, SurfaceSample s, ivec2 offset) {
 /// window.
 vec2 footprint_scale(ivec2 position, ivec2 offset, SurfaceSample s, float widening) {
     if (widening <= 1.0) return vec2(1.0);
-    int m = int(frame.data.m);
-    ivec2 far_side = mix(ivec2(0), ivec2(m - 1), lessThan(2 * offset, ivec2(m))) - offset;
-    return vec2(discontinuous(position, s, ivec2(far_side.x, 0)) ? 1.0 : widening,
-        discontinuous(position, s, ivec2(0, far_side.y)) ? 1.0 : widening);
+    // The footprint is centred on the sample, so both ends of the window may stop it.
+    ivec2 end = ivec2(int(frame.data.m) - 1) - offset;
+    bool stop_x = discontinuous(position, s, ivec2(-offset.x, 0)) || discontinuous(position, s, ivec2(end.x, 0));
+    bool stop_y = discontinuous(position, s, ivec2(0, -offset.y)) || discontinuous(position, s, ivec2(0, end.y));
+    return vec2(stop_x ? 1.0 : widening, stop_y ? 1.0 : widening);
 }
 
 #if defined(COLOR_TEXTURES) || defined(DATA_TEXTURES)

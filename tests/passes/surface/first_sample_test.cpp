@@ -373,5 +373,18 @@ TEST_F(FirstSampleTest, FootprintsStopAtMaterialEdges) {
     }
 }
 
+TEST_F(FirstSampleTest, FootprintsStopAtMaterialEdgesOneSampleAway) {
+    // As above, mirrored: column 3 alone belongs to the other material, right of x = 8.75.
+    Scene scene;
+    Material material = unlit_material();
+    material.base_color_texture.image = add_image(scene, 64, 32,
+        [](int x, int) { return x < 35 ? glm::u8vec4(255) : glm::u8vec4(0, 0, 0, 255); });
+    scene.materials = {material, unlit_material(glm::vec3(0.5f))};
+    add(scene, rectangle({0, 0, 0}, {16, 0, 0}, {0, 8, 0}));
+    add(scene, rectangle({8.75f, 0, 1}, {7.25f, 0, 0}, {0, 8, 0}, 1));
+    const Image s = render_s(scene, pixel_camera(16, 8), 16, 8, 4);
+    for (int y = 0; y < 8; ++y) EXPECT_GT(s.at(8, y, 0), 0.999f) << "nothing bleeds across the edge";
+}
+
 } // namespace
 } // namespace ockham::test
