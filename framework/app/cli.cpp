@@ -63,6 +63,7 @@ void add_option(CLI::App& app, Param& param) {
             help_of(param));
         option->type_name(param.is_list() ? "TEXT ..." : "")->expected(1);
         option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        option->allow_extra_args(false); // the next word is a scene, not a second value
     }
     if (!param.group_name.empty()) option->group(param.group_name);
 }
@@ -87,14 +88,37 @@ double now_seconds() {
 
 } // namespace
 
-void add_common(Params& params, CommonOptions& o) {
-    const char* kPicture = "Picture";
+void add_run_flags(Params& params, CommonOptions& o) {
     const char* kRun = "Run";
-    const char* kReport = "Reports";
-    params.add("output", &o.output, "picture to write: .exr (linear) or .png (sRGB)")
-        .letter('o')
-        .group(kPicture)
+    params.add("gpu", &o.gpu, "device, by index or part of its name").group(kRun);
+    params.add("list-gpus", &o.list_gpus, "list the devices with their scores, and stop")
+        .group(kRun)
         .transient();
+    params.add("validation", &o.validation, "Vulkan validation; any message is an error")
+        .choices({"off", "core", "sync", "gpu"})
+        .group(kRun);
+    params.add("memory-budget", &o.memory_budget, "device memory to use at most; 0: all")
+        .range(0, 1 << 30)
+        .unit("MiB")
+        .group(kRun);
+    params.add("strict", &o.strict, "refuse what is otherwise tolerated with a warning")
+        .group(kRun);
+    params
+        .add("allow-external", &o.allow_external,
+            "let scene files name resources outside their folder")
+        .group(kRun);
+    params.add("config", &o.config, "JSON run file with parameters; the command line wins")
+        .group(kRun)
+        .transient();
+    params.add("dump-config", &o.dump_config, "write all parameters as a run file, and stop")
+        .group(kRun)
+        .transient();
+    params.add("quiet", &o.quiet, "print warnings and errors only").group(kRun);
+    params.add("version", &o.version, "print the version, and stop").group(kRun).transient();
+}
+
+void add_view_flags(Params& params, CommonOptions& o) {
+    const char* kPicture = "Picture";
     params.add("width", &o.width, "picture width").range(1, 16384).unit("pixels").group(kPicture);
     params.add("height", &o.height, "picture height")
         .range(1, 16384)
@@ -108,6 +132,16 @@ void add_common(Params& params, CommonOptions& o) {
         .range(0, 1e9)
         .unit("world units")
         .group(kPicture);
+}
+
+void add_output_flags(Params& params, CommonOptions& o) {
+    const char* kPicture = "Picture";
+    const char* kRun = "Run";
+    const char* kReport = "Reports";
+    params.add("output", &o.output, "picture to write: .exr (linear) or .png (sRGB)")
+        .letter('o')
+        .group(kPicture)
+        .transient();
     params.add("exposure", &o.exposure, "exposure of .png files")
         .range(-32, 32)
         .unit("stops")
@@ -115,36 +149,11 @@ void add_common(Params& params, CommonOptions& o) {
     params.add("tonemap", &o.tonemap, "tone curve of .png files")
         .choices({"none", "aces"})
         .group(kPicture);
-    params.add("strict", &o.strict, "refuse what is otherwise tolerated with a warning")
-        .group(kRun);
-    params
-        .add("allow-external", &o.allow_external,
-            "let scene files name resources outside their folder")
-        .group(kRun);
-    params.add("gpu", &o.gpu, "device, by index or part of its name").group(kRun);
-    params.add("list-gpus", &o.list_gpus, "list the devices with their scores, and stop")
-        .group(kRun)
-        .transient();
-    params.add("validation", &o.validation, "Vulkan validation; any message is an error")
-        .choices({"off", "core", "sync", "gpu"})
-        .group(kRun);
-    params.add("memory-budget", &o.memory_budget, "device memory to use at most; 0: all")
-        .range(0, 1 << 30)
-        .unit("MiB")
-        .group(kRun);
     params
         .add("frames", &o.frames,
             "executions of the graph; default 1, with --stats 5 after one that warms up")
         .range(1, 1000000)
         .group(kRun);
-    params.add("config", &o.config, "JSON run file with parameters; the command line wins")
-        .group(kRun)
-        .transient();
-    params.add("dump-config", &o.dump_config, "write all parameters as a run file, and stop")
-        .group(kRun)
-        .transient();
-    params.add("quiet", &o.quiet, "print warnings and errors only").group(kRun);
-    params.add("version", &o.version, "print the version, and stop").group(kRun).transient();
     params.add("stats", &o.stats, "JSON file with times, memory, samples and image error")
         .group(kReport)
         .transient();
@@ -229,6 +238,13 @@ gpu::DeviceOptions device_options(const CommonOptions& options) {
                         : options.validation == "gpu"  ? gpu::Validation::gpu
                                                        : gpu::Validation::off;
     return device;
+}
+
+void expect_no_validation_messages(const gpu::Device& device) {
+    const std::vector<std::string> messages = device.validation_messages();
+    if (!messages.empty()) {
+        fail_device("validation found {} problems, first: {}", messages.size(), messages.front());
+    }
 }
 
 Camera choose_camera(const CommonOptions& options, const Scene& scene, const Bounds& bounds) {

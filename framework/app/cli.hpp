@@ -41,8 +41,11 @@ struct CommonOptions {
     bool version = false;
 };
 
-/// Declares the common flags on `params`; `options` must outlive it.
-void add_common(Params& params, CommonOptions& options);
+/// Declare the common flags on `params`; `options` must outlive it. A program declares those that
+/// it heeds: how to run, what to look at, what to write.
+void add_run_flags(Params& params, CommonOptions& options);
+void add_view_flags(Params& params, CommonOptions& options);
+void add_output_flags(Params& params, CommonOptions& options);
 
 /// Reads argv, then the run file of --config. An exit code if that was all there is to do (--help,
 /// --version, --list-gpus, --dump-config). Throws Error(input) naming the flag.
@@ -55,6 +58,8 @@ int run_program(const std::function<int()>& body);
 bool interrupted();
 
 gpu::DeviceOptions device_options(const CommonOptions& options);
+/// Throws Error(device) with the first message if validation found anything so far.
+void expect_no_validation_messages(const gpu::Device& device);
 
 /// The camera that --camera and --orthographic ask for: "px,py,pz tx,ty,tz fov", a camera's name,
 /// or by default the scene's first, else one that sees everything.

@@ -7,6 +7,7 @@
 #include "framework/io/rig.hpp"
 #include "framework/scene/builtin.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -82,7 +83,10 @@ Scene load_scenes(const SceneOptions& o, const CommonOptions& common) {
             material.metallic_roughness_texture.image = -1;
         }
     }
-    if (scene.lights.empty() && scene.ambient == glm::vec3(0.0f) && scene.triangles() > 0) {
+    const bool needs_light = std::any_of(scene.materials.begin(), scene.materials.end(),
+        [](const Material& material) { return !material.unlit; });
+    if (needs_light && scene.lights.empty() && scene.ambient == glm::vec3(0.0f) &&
+        scene.triangles() > 0) {
         // Nothing shines: light it from the camera's side rather than show a black picture.
         log::warning("the scene has no lights: lit by a sun of its own and a grey sky");
         scene.lights.push_back({.name = "default sun",

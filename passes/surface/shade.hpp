@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shades k samples of each pixel's window and sums them: the same k everywhere, k from a map in a
-// loop, or one indirect dispatch per count over buckets. Equal sums, bit for bit, for equal k.
+// loop, or one indirect dispatch per count over buckets. Loop and buckets give equal sums, bit for
+// bit; all three do at k = m * m.
 #pragma once
 
 #include "passes/schedule/buckets.hpp"

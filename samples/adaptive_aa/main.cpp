@@ -73,7 +73,9 @@ void declare(Params& params, Options& o) {
         .range(0, 500000);
     params.add("aov", &o.aov, "write k, winner, S, depth, normal, material as layers of an .exr")
         .group("Reports");
-    add_common(params, o.common);
+    add_view_flags(params, o.common);
+    add_output_flags(params, o.common);
+    add_run_flags(params, o.common);
 }
 
 AdaptiveAaParams picture_params(const Options& o) {
@@ -189,9 +191,7 @@ int render(int argc, char** argv) {
         times.add(aa.executor().times());
         progress.update(static_cast<std::size_t>(frame) + 1);
     }
-    const std::vector<std::string> messages = device.validation_messages();
-    if (!messages.empty())
-        fail_device("validation found {} problems, first: {}", messages.size(), messages.front());
+    expect_no_validation_messages(device);
 
     const std::string command = command_text(argc, argv);
     const Image result = collect_picture(aa, o, command);

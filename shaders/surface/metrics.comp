@@ -63,11 +63,17 @@ void main() {
     float variance = hits == 0u ? 0.0 : depth2_sum / n - mean_depth * mean_depth;
     float k_depth = push.depth_weight * variance;
 
-    // One normal for the whole window, as on most flat walls, spans no cone.
-    int compared = normals_differ ? m * m : 0;
+    // One normal for the whole window, as on most flat walls, spans no cone. Depth, the dearest of
+    // the fetches, is asked again only where the window holds some sky.
     vec3 mean_normal = normalize(normal_sum);
     float smallest = 1.0;
-    for (int i = 0; i < compared; ++i) {
+    int filled = normals_differ && hits == uint(m * m) ? m * m : 0;
+    for (int i = 0; i < filled; ++i) {
+        ivec2 position = pixel * m + window_offset(i);
+        smallest = min(smallest, abs(dot(mean_normal, unpack_normal(texelFetch(gbuffer, position, 0)))));
+    }
+    int sparse = normals_differ ? m * m - filled : 0;
+    for (int i = 0; i < sparse; ++i) {
         ivec2 position = pixel * m + window_offset(i);
         if (texelFetch(gbuffer_depth, position, 0).x > 0.0) {
             smallest = min(smallest, abs(dot(mean_normal, unpack_normal(texelFetch(gbuffer, position, 0)))));

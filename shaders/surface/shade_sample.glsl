@@ -45,10 +45,17 @@ bool discontinuous(ivec2 position, SurfaceSample s, ivec2 offset) {
 /// window.
 vec2 footprint_scale(ivec2 position, ivec2 offset, SurfaceSample s, float widening) {
     if (widening <= 1.0) return vec2(1.0);
-    // The footprint is centred on the sample, so both ends of the window may stop it.
+    // The footprint is centred on the sample, so both ends of the window may stop it; a sample that
+    // stands at one end, as all do at m = 2, has one to compare. Loops, since software drivers
+    // execute both sides of a branch.
     ivec2 end = ivec2(int(frame.data.m) - 1) - offset;
-    bool stop_x = discontinuous(position, s, ivec2(-offset.x, 0)) || discontinuous(position, s, ivec2(end.x, 0));
-    bool stop_y = discontinuous(position, s, ivec2(0, -offset.y)) || discontinuous(position, s, ivec2(0, end.y));
+    bool stop_x = false, stop_y = false;
+    for (int i = offset.x > 0 ? 0 : 1, last = end.x > 0 ? 2 : 1; i < last; ++i) {
+        stop_x = stop_x || discontinuous(position, s, ivec2(i == 0 ? -offset.x : end.x, 0));
+    }
+    for (int i = offset.y > 0 ? 0 : 1, last = end.y > 0 ? 2 : 1; i < last; ++i) {
+        stop_y = stop_y || discontinuous(position, s, ivec2(0, i == 0 ? -offset.y : end.y));
+    }
     return vec2(stop_x ? 1.0 : widening, stop_y ? 1.0 : widening);
 }
 

@@ -124,6 +124,13 @@ TEST_F(AdaptiveAaProgram, writes_picture_statistics_plan_and_captures) {
     for (const auto& pass : plan["passes"]) EXPECT_FALSE(pass["reason"].get<std::string>().empty());
 }
 
+TEST_F(AdaptiveAaProgram, flags_and_scenes_come_in_any_order) {
+    const Result result =
+        run("--m 2 builtin:wires --width 8 builtin:sky --height 6 --quiet -o a.exr");
+    EXPECT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_EQ(load_image(folder / "a.exr").width(), 8);
+}
+
 TEST_F(AdaptiveAaProgram, reports_999_for_equal_pictures) {
     const std::string common = "builtin:sky --width 8 --height 8 --quiet ";
     ASSERT_EQ(run(common + "-o a.exr").exit_code, 0);

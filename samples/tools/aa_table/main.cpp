@@ -169,7 +169,8 @@ int run(int argc, char** argv) {
     params.add("c-shading", &o.metrics.shading_weight, "weight of the luma range")
         .range(0, 1e9)
         .group("Table");
-    add_common(params, o.common);
+    add_view_flags(params, o.common);
+    add_run_flags(params, o.common);
     if (const auto done = parse_command_line(argc, argv,
             "Measures adaptive supersampling against full supersampling.", params, o.common)) {
         return *done;
@@ -200,6 +201,7 @@ int run(int argc, char** argv) {
         for (Row& row : group) rows.push_back(std::move(row));
         progress.update(m);
     }
+    expect_no_validation_messages(device);
     const std::string heading = fmt::format("`{}`\n\n{} ({}), {} x {} pixels, {} triangles, {} "
                                             "lights; medians of {} executions; stall {} "
                                             "FMAs per sample.\n\n",
