@@ -97,7 +97,7 @@ void add_run_flags(Params& params, CommonOptions& o) {
     params.add("validation", &o.validation, "Vulkan validation; any message is an error")
         .choices({"off", "core", "sync", "gpu"})
         .group(kRun);
-    params.add("memory-budget", &o.memory_budget, "device memory to use at most; 0: all")
+    params.add("memory-budget", &o.memory_budget, "device memory to use at most; 0: what the device reports")
         .range(0, 1 << 30)
         .unit("MiB")
         .group(kRun);
@@ -205,7 +205,8 @@ std::optional<int> parse_command_line(
         params.from_json(json, fmt::format("'{}'", options.config));
     }
     if (!options.dump_config.empty()) {
-        write_text(options.dump_config, params.to_json().dump(2) + "\n");
+        write_text(options.dump_config,
+            params.to_json().dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
         return 0;
     }
     if (options.quiet) log::set_level(log::Level::warning);
@@ -224,6 +225,9 @@ int run_program(const std::function<int()>& body) {
     } catch (const std::bad_alloc&) {
         log::error("out of memory; use a smaller picture or scene");
         return 3;
+    } catch (const std::exception& error) {
+        log::error("{}", error.what());
+        return 2;
     }
 }
 
@@ -262,7 +266,7 @@ Camera choose_camera(const CommonOptions& options, const Scene& scene, const Bou
             camera = *named;
         } else if (p.size() == 3 && t.size() == 3 && f.size() == 1 && more.empty()) {
             const glm::vec3 position(p[0], p[1], p[2]), target(t[0], t[1], t[2]);
-            if (position == target)
+            if (!(glm::dot(target - position, target - position) > 1e-30f))
                 fail_input("--camera: position and target are both {}", position_text);
             if (!(f[0] > 0.0f && f[0] < 180.0f))
                 fail_input(

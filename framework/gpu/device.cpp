@@ -77,6 +77,18 @@ Function load(VkInstance instance, const char* name) {
     return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
 }
 
+/// What the device says it has; some software drivers do not enforce it themselves.
+std::uint64_t device_memory_bytes(VkPhysicalDevice physical) {
+    VkPhysicalDeviceMemoryProperties properties{};
+    vkGetPhysicalDeviceMemoryProperties(physical, &properties);
+    std::uint64_t bytes = 0;
+    for (std::uint32_t i = 0; i < properties.memoryHeapCount; ++i) {
+        const VkMemoryHeap& heap = properties.memoryHeaps[i];
+        if (heap.flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) bytes += heap.size;
+    }
+    return bytes;
+}
+
 } // namespace
 
 std::string list_gpus() {
@@ -157,7 +169,9 @@ void Device::create(VkPhysicalDevice physical) {
         push_descriptor_set_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
             vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));
     }
-    allocator_ = std::make_unique<Allocator>(physical, device_, options_.memory_budget_bytes);
+    const std::uint64_t budget =
+        options_.memory_budget_bytes ? options_.memory_budget_bytes : device_memory_bytes(physical);
+    allocator_ = std::make_unique<Allocator>(physical, device_, budget);
     pipelines_ = std::make_unique<Pipelines>(
         *this, options_.cache_dir.empty() ? default_cache_dir() : options_.cache_dir);
     log::debug("device: {}, {}", info_.name, info_.driver_version);

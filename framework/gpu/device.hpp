@@ -28,7 +28,7 @@ struct DeviceOptions {
     /// Index in list_gpus(), or part of a name, case ignored; empty: the best score.
     std::string gpu = {};
     Validation validation = Validation::off;
-    /// Refuses allocations beyond; 0 = as much as the driver gives.
+    /// Refuses allocations beyond; 0 = the sum of the device's own heaps.
     std::uint64_t memory_budget_bytes = 0;
     /// Compiled pipelines are kept here; empty: $XDG_CACHE_HOME/ockham or ~/.cache/ockham.
     std::filesystem::path cache_dir = {};

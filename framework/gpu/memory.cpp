@@ -119,7 +119,7 @@ Memory Allocator::allocate(
     const std::uint64_t bytes = align_up(requirements.size, granularity_);
     if (budget_bytes_ && bytes_used_ + bytes > budget_bytes_) {
         fail_device("'{}' needs {:.1f} MiB of GPU memory, but of the budget of {:.1f} MiB already "
-                    "{:.1f} MiB are in use; raise --memory-budget or render a smaller picture",
+                    "{:.1f} MiB are in use; raise --memory-budget or ask for less",
             name, mib(bytes), mib(budget_bytes_), mib(bytes_used_));
     }
     const std::uint32_t type = memory_type(requirements.memoryTypeBits, use, name);

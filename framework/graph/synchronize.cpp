@@ -20,10 +20,13 @@ struct Tail {
     bool written = false;
     /// The barrier that let the reads in; a read in another stage extends it. kNone after a write.
     std::uint32_t barrier = kNone;
+    /// Stages that had used it before this execution; those of this execution prove nothing, for
+    /// nobody wrote in between.
+    VkPipelineStageFlags2 entry_stages = 0;
 };
 
 Tail tail_of(const AccessState& state) {
-    return {state, kNone, (state.access & kWriteAccess) != 0};
+    return {state, kNone, (state.access & kWriteAccess) != 0, kNone, state.stages};
 }
 
 AccessState state_of(const Use& use, const ResourceDecl& resource) {
@@ -116,6 +119,7 @@ private:
             } else if (resource.lifetime == Lifetime::persistent) {
                 entries[i] = tails_[i]; // as the previous execution left it
                 entries[i].pass = kNone;
+                entries[i].entry_stages = entries[i].state.stages;
             } else if (resource.exported) {
                 add_owner(entries[i], tails_[i], false); // alone in its memory
             }
@@ -214,9 +218,11 @@ private:
         } else {
             const bool covered = (next.state.stages & ~tail.state.stages) == 0 &&
                                  (next.state.access & ~tail.state.access) == 0;
-            if (!covered && tail.state.stages != 0) {
+            if (!covered && tail.entry_stages != 0) {
                 // Reads before this execution saw the write; this one waits through them.
                 Barrier barrier = barrier_to(id, tail, next);
+                barrier.from = kNone;
+                barrier.src_stages = tail.entry_stages;
                 if (next.pass == kNone) barrier.hazard = Hazard::exit;
                 tail.barrier = static_cast<std::uint32_t>(plan_.barriers.size());
                 plan_.barriers.push_back(barrier);

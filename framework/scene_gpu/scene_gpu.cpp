@@ -239,16 +239,24 @@ void make_array(std::optional<gpu::Image>& image, gpu::Device& device, gpu::Uplo
     const std::vector<TextureLayer>& layers, bool srgb, const char* name, std::uint64_t& bytes,
     std::uint64_t& padding) {
     if (layers.empty()) return;
-    const TextureArray array = build_texture_array(layers, srgb);
+    // Before anything is built: layers are as large as the largest image.
+    const auto [width, height] = texture_array_size(layers);
     const gpu::Limits& limits = device.limits();
-    if (array.width > limits.image_extent || array.height > limits.image_extent ||
-        array.layers > limits.image_layers) {
+    const std::uint64_t texels = std::uint64_t{width} * height * layers.size();
+    const std::uint64_t budget = device.allocator().budget_bytes();
+    if (budget > 0 && texels * 16 / 3 > budget) {
+        fail_device("{}: {} images padded to {} x {} texels need {} MiB with their mips, the memory "
+                    "budget is {} MiB; use smaller or fewer images, or raise --memory-budget",
+            name, layers.size(), width, height, (texels * 16 / 3) >> 20, budget >> 20);
+    }
+    if (width > limits.image_extent || height > limits.image_extent ||
+        layers.size() > limits.image_layers) {
         fail_input(
             "{}: {} images of up to {} x {} texels; this device holds {} layers of {} texels a "
             "side: use smaller or fewer images",
-            name, array.layers, array.width, array.height, limits.image_layers,
-            limits.image_extent);
+            name, layers.size(), width, height, limits.image_layers, limits.image_extent);
     }
+    const TextureArray array = build_texture_array(layers, srgb);
     image.emplace(
         device, gpu::ImageInfo{.format = srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
                     .width = array.width,

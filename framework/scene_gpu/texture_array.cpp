@@ -10,6 +10,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <tuple>
 
 namespace ockham {
 namespace {
@@ -184,15 +185,21 @@ std::uint64_t TextureArray::bytes() const {
     return sum;
 }
 
+std::pair<std::uint32_t, std::uint32_t> texture_array_size(const std::vector<TextureLayer>& layers) {
+    std::uint32_t width = 0, height = 0;
+    for (const TextureLayer& layer : layers) {
+        width = std::max(width, static_cast<std::uint32_t>(layer.image->width));
+        height = std::max(height, static_cast<std::uint32_t>(layer.image->height));
+    }
+    return {width, height};
+}
+
 TextureArray build_texture_array(const std::vector<TextureLayer>& layers, bool srgb) {
     check(!layers.empty(), "a texture array has at least one layer");
     TextureArray array;
     array.srgb = srgb;
     array.layers = static_cast<std::uint32_t>(layers.size());
-    for (const TextureLayer& layer : layers) {
-        array.width = std::max(array.width, static_cast<std::uint32_t>(layer.image->width));
-        array.height = std::max(array.height, static_cast<std::uint32_t>(layer.image->height));
-    }
+    std::tie(array.width, array.height) = texture_array_size(layers);
     array.mips = static_cast<std::uint32_t>(std::bit_width(std::max(array.width, array.height)));
     array.texels.reserve(std::size_t{array.layers} * array.mips);
     for (const TextureLayer& layer : layers) {

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace ockham {
@@ -35,6 +36,9 @@ struct TextureArray {
 constexpr std::uint32_t mip_size(std::uint32_t size, std::uint32_t level) {
     return (size >> level) > 0 ? size >> level : 1u;
 }
+
+/// Largest width and height among the images: the size of every layer.
+std::pair<std::uint32_t, std::uint32_t> texture_array_size(const std::vector<TextureLayer>& layers);
 
 /// The array's size is the largest width and height among its images. Colour (`srgb`) is averaged
 /// as linear light, weighted by alpha where the layer is masked. `layers` may not be empty.

@@ -117,7 +117,11 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
 
 } // namespace
 
-bool is_shading_pass(std::string_view pass) { return pass != "gbuffer" && pass != "surface_aov"; }
+bool is_shading_pass(std::string_view pass) {
+    // "shade" and its further rounds "shade.1", ...; the passes of the buckets.
+    return pass == "first_sample" || pass == "metrics" || pass.starts_with("bucket_") ||
+           pass.starts_with("shade") || pass == "resolve";
+}
 
 AdaptiveAaOutputs add_adaptive_aa(
     Graph& graph, ShadingInputs in, const AdaptiveAaParams& wanted, std::uint32_t max_extent) {

@@ -44,7 +44,7 @@ struct AdaptiveAaParams {
     std::vector<std::string> captures; ///< names of further images to export
 };
 
-/// True for the passes that shading_gpu_ms adds up: all but the G-buffer and the captures.
+/// True for the passes that shading_gpu_ms adds up: first_sample, metrics, buckets, shade, resolve.
 bool is_shading_pass(std::string_view pass);
 
 /// What the graph holds after an execution; empty handles: not needed or not asked for.

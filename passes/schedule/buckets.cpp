@@ -47,6 +47,7 @@ Buckets add_buckets(Graph& graph, ImageHandle sample_count, const BucketsParams&
     });
 
     PassBuilder scan = graph.add_compute_pass("bucket_scan");
+    scan.because("where each tile's pixels of a count begin");
     histogram = scan.read_write("tile_histogram", histogram);
     out.table = scan.write("bucket_table", out.table);
     scan.record([push](Commands& commands) {
@@ -56,6 +57,7 @@ Buckets add_buckets(Graph& graph, ImageHandle sample_count, const BucketsParams&
     });
 
     PassBuilder arguments = graph.add_compute_pass("bucket_arguments");
+    arguments.because("the device itself decides how large each dispatch is");
     out.table = arguments.read_write("bucket_table", out.table);
     out.arguments = arguments.write("bucket_arguments", out.arguments);
     arguments.record([push](Commands& commands) {
@@ -66,6 +68,7 @@ Buckets add_buckets(Graph& graph, ImageHandle sample_count, const BucketsParams&
     });
 
     PassBuilder scatter = graph.add_compute_pass("bucket_scatter");
+    scatter.because("lists the pixels of each count, tile by tile");
     scatter.read("sample_count", sample_count).read("bucket_table", out.table);
     histogram = scatter.read_write("tile_histogram", histogram);
     out.list = scatter.write("pixel_list", out.list);

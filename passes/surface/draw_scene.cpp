@@ -5,6 +5,8 @@
 
 namespace ockham {
 
+static_assert(ATTRIBUTE_ABSENT == kNone, "absent attributes are named alike in C++ and GLSL");
+
 void read_vertices(PassBuilder& pass, const SceneInputs& in) {
     pass.read("frame", in.frame, Stage::vertex)
         .read("vertices", in.handles.vertices, Stage::vertex)

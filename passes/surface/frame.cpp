@@ -94,7 +94,7 @@ shader::FrameData make_frame(const Scene& scene, const Bounds& bounds, const Cam
     // resolves 6e-8 of the distance wherever the near plane stands.
     const float reach = glm::length(bounds.center() - camera.position) + bounds.radius();
     const float far_distance = std::max(1.01f * reach, 1e-3f);
-    const float near_distance = 1e-4f * far_distance;
+    const float near_distance = 1e-6f * far_distance;
 
     shader::FrameData frame{};
     frame.position = camera.position;

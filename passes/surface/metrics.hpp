@@ -18,7 +18,7 @@ struct MetricsParams {
     std::uint32_t width = 0, height = 0;
     float depth_weight = 60.0f;   ///< c_d, samples per squared world unit, >= 0
     float normal_weight = 12.0f;  ///< c_n, samples, >= 0
-    float shading_weight = 80.0f; ///< c_s, samples per unit of luma, >= 0
+    float shading_weight = 40.0f; ///< c_s, samples per unit of luma, >= 0
     float range_min = 0.0312f;    ///< t_min: smaller luma ranges count as flat
     float range_edge = 0.125f;    ///< t_edge: so do ranges below this share of the brightest
     bool winner = false;          ///< also write which metric asked for the most

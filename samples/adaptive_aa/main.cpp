@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <set>
 
 using namespace ockham;
 
@@ -113,8 +114,11 @@ void check_outputs(const Options& o) {
         fail_input("--aov: layers need an .exr output; found '{}'", o.common.output);
     }
     if (!o.common.plan.empty()) check_plan_path(o.common.plan);
+    std::set<std::string> seen;
     for (const std::string& file : files) {
-        if (!file.empty()) check_writable(file);
+        if (file.empty()) continue;
+        check_writable(file);
+        if (!seen.insert(file).second) fail_input("'{}' is named as two outputs", file);
     }
 }
 
@@ -165,7 +169,14 @@ int render(int argc, char** argv) {
     }
     check_outputs(o);
     std::optional<Image> reference;
-    if (!o.common.reference.empty()) reference = load_image(o.common.reference);
+    if (!o.common.reference.empty()) {
+        reference = load_image(o.common.reference);
+        if (reference->width() != o.common.width || reference->height() != o.common.height) {
+            fail_input("--reference: '{}' has {} x {} pixels, the picture {} x {}",
+                o.common.reference, reference->width(), reference->height(), o.common.width,
+                o.common.height);
+        }
+    }
 
     const Timer wall;
     Scene scene = load_scenes(o.scene, o.common);
@@ -225,7 +236,8 @@ int render(int argc, char** argv) {
             {"histogram", counts.histogram}, {"lane_efficiency", counts.lane_efficiency},
             {"shaded_percent", counts.shaded_percent}};
         if (error) json["image"] = to_json(*error);
-        write_text(o.common.stats, json.dump(2) + "\n");
+        write_text(o.common.stats,
+            json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
         log::info("wrote {}", o.common.stats);
     }
     return 0;

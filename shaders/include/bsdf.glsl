@@ -22,7 +22,8 @@ vec3 reflect_light(Surface s, vec3 n, vec3 v, vec3 l) {
     float n_l = dot(n, l);
     if (n_l <= 0.0) return vec3(0.0);
     float n_v = max(abs(dot(n, v)), 1e-4);
-    vec3 h = normalize(v + l);
+    vec3 h = v + l;
+    h *= inversesqrt(max(dot(h, h), 1e-12));
     float n_h = clamp(dot(n, h), 0.0, 1.0);
     float l_h = clamp(dot(l, h), 0.0, 1.0);
     float d = (n_h * s.alpha2 - n_h) * n_h + 1.0;

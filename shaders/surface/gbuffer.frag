@@ -31,17 +31,25 @@ layout(binding = 5) uniform sampler2DArray data_textures;
 
 layout(push_constant, scalar) uniform Push { DrawPush push; };
 
-TextureCoordinates coordinates(UvMap map) {
+/// Derivatives of the vertices' coordinates; taken first of all, for they end at a discard.
+struct UvDerivatives {
+    vec2 x0, x1, y0, y1;
+};
+
+TextureCoordinates coordinates(UvMap map, UvDerivatives d) {
     TextureCoordinates c;
-    c.gradient_x = map_uv_change(map, dFdx(in_uv0), dFdx(in_uv1));
-    c.gradient_y = map_uv_change(map, dFdy(in_uv0), dFdy(in_uv1));
-    c.uv = wrap_uv(map, map_uv(map, in_uv0, in_uv1));
+    vec2 uv = map_uv(map, in_uv0, in_uv1);
+    vec2 direction = wrap_direction(map, uv);
+    c.gradient_x = map_uv_change(map, d.x0, d.x1) * direction;
+    c.gradient_y = map_uv_change(map, d.y0, d.y1) * direction;
+    c.uv = wrap_uv(map, uv);
     return c;
 }
 
 void main() {
     MaterialData material = materials.items[push.material];
-    TextureCoordinates c = coordinates(material.uv[0]);
+    UvDerivatives derivatives = UvDerivatives(dFdx(in_uv0), dFdx(in_uv1), dFdy(in_uv0), dFdy(in_uv1));
+    TextureCoordinates c = coordinates(material.uv[0], derivatives);
 
 #ifdef MASKED
     float alpha = material.base_color.a * in_color.a;
@@ -57,7 +65,7 @@ void main() {
     vec3 normal = normalize(in_normal);
 #ifdef NORMAL_MAPPED
     if (material.normal_texture.layer >= 0) {
-        TextureCoordinates bump = coordinates(material.uv[2]);
+        TextureCoordinates bump = coordinates(material.uv[2], derivatives);
         vec3 t = sample_footprint(data_textures, material.normal_texture.layer,
             material.normal_texture.size, bump.uv, bump.gradient_x, bump.gradient_y, 2.0).xyz;
         t = (2.0 * t - 1.0) * vec3(material.normal_scale, material.normal_scale, 1.0);
@@ -74,6 +82,6 @@ void main() {
 
     out_surface = pack_surface(normal, push.material, c);
 #ifdef EXTRA
-    out_extra = uvec4(pack_color(in_color.rgb), pack_coordinates(coordinates(material.uv[1])));
+    out_extra = uvec4(pack_color(in_color.rgb), pack_coordinates(coordinates(material.uv[1], derivatives)));
 #endif
 }

@@ -12,7 +12,7 @@ struct DrawPush {
 };
 
 // Specialisation: floats from one vertex to the next, and where in it each attribute starts
-// (kAbsent: the scene has none).
+// (ATTRIBUTE_ABSENT: the scene has none).
 #define SPEC_VERTEX_STRIDE 0
 #define SPEC_NORMAL_OFFSET 1
 #define SPEC_TANGENT_OFFSET 2

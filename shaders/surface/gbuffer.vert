@@ -21,7 +21,7 @@ void main() {
     out_tangent = vec4(0.0);
     if (kTangentOffset != ATTRIBUTE_ABSENT) {
         vec4 tangent = vertex_vec4(base + kTangentOffset);
-        out_tangent = vec4(to_world_tangent(instance, tangent.xyz), tangent.w);
+        out_tangent = vec4(to_world_tangent(instance, tangent.xyz), tangent.w * handedness(instance));
     }
     out_uv0 = kUv0Offset == ATTRIBUTE_ABSENT ? vec2(0.0) : vertex_vec2(base + kUv0Offset);
     out_uv1 = kUv1Offset == ATTRIBUTE_ABSENT ? vec2(0.0) : vertex_vec2(base + kUv1Offset);

@@ -30,3 +30,12 @@ vec2 wrap_uv(UvMap map, vec2 uv) {
     return vec2(wrap_coordinate(uv.x, map.wrap & 3u, map.inset.x),
         wrap_coordinate(uv.y, map.wrap >> 2, map.inset.y));
 }
+
+/// -1 where a mirrored tile runs against the coordinates, else 1.
+float wrap_sign(float x, uint mode) {
+    return mode == 2u && mod(floor(x), 2.0) != 0.0 ? -1.0 : 1.0;
+}
+
+vec2 wrap_direction(UvMap map, vec2 uv) {
+    return vec2(wrap_sign(uv.x, map.wrap & 3u), wrap_sign(uv.y, map.wrap >> 2));
+}

@@ -96,9 +96,9 @@ float attenuation(LightData light, float distance2) {
 }
 
 /// Dependent multiply-adds that cost time and change nothing: stands in for an expensive shader.
-/// The factor returned is 1 for every input, which no compiler can know.
-float stall() {
-    float x = frame.data.near_distance;
+/// `x`: in [0,1], of this sample, lest it be done once for many. The factor returned is always 1,
+/// which no compiler can know.
+float stall(float x) {
     uint iterations = (push.stall + 15u) / 16u;
     for (uint i = 0u; i < iterations; ++i) {
         x = fma(x, 0.999, 1e-3); x = fma(x, 0.998, 2e-3); x = fma(x, 0.997, 3e-3); x = fma(x, 0.996, 4e-3);
@@ -116,7 +116,7 @@ vec4 shade_sample(ivec2 pixel, uint index, float widening) {
     ivec2 offset = window_offset(int(index));
     ivec2 position = pixel * int(frame.data.m) + offset;
     SurfaceSample s = fetch_surface(position);
-    float unstalled = stall();
+    float unstalled = stall(s.depth);
     if (s.depth <= 0.0) return vec4(frame.data.background * unstalled, 0.0);
 
     MaterialData material = materials.items[s.material];

@@ -30,10 +30,14 @@ vec3 to_world_tangent(InstanceData instance, vec3 v) {
     return vec3(dot(instance.world_x.xyz, v), dot(instance.world_y.xyz, v), dot(instance.world_z.xyz, v));
 }
 
+/// -1 where the instance mirrors, else 1.
+float handedness(InstanceData instance) {
+    return dot(instance.world_x.xyz, cross(instance.world_y.xyz, instance.world_z.xyz)) < 0.0 ? -1.0 : 1.0;
+}
+
 /// Normals: cofactors of the linear part, with the sign that keeps them outward when mirrored.
 vec3 to_world_normal(InstanceData instance, vec3 v) {
     vec3 x = instance.world_x.xyz, y = instance.world_y.xyz, z = instance.world_z.xyz;
-    vec3 yz = cross(y, z);
-    vec3 n = vec3(dot(yz, v), dot(cross(z, x), v), dot(cross(x, y), v));
-    return dot(x, yz) < 0.0 ? -n : n;
+    vec3 n = vec3(dot(cross(y, z), v), dot(cross(z, x), v), dot(cross(x, y), v));
+    return n * handedness(instance);
 }

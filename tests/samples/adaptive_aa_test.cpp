@@ -177,6 +177,7 @@ TEST_F(AdaptiveAaProgram, bad_input_is_one_error_with_exit_code_2) {
     expect_error("builtin:sky --capture nothing", 2, {"NAME=FILE"});
     expect_error("builtin:sky --aov -o out.png", 2, {"--aov", "out.png"});
     expect_error("builtin:sky --reference garbage.exr", 2, {"garbage.exr"});
+    expect_error("builtin:sky -o same.exr --stats same.exr", 2, {"same.exr", "two outputs"});
     expect_error("builtin:sky --rig list.json", 2, {"list.json"});
     expect_error("builtin:sky --config list.json", 2, {"list.json"});
     expect_error("builtin:sky --camera nobody", 2, {"--camera", "nobody"});
@@ -187,7 +188,8 @@ TEST_F(AdaptiveAaProgram, bad_input_is_one_error_with_exit_code_2) {
 
 TEST_F(AdaptiveAaProgram, wrong_size_of_reference_is_refused) {
     ASSERT_EQ(run("builtin:sky --width 4 --height 4 --quiet -o small.exr").exit_code, 0);
-    expect_error("builtin:sky --width 8 --height 8 --reference small.exr", 2, {"8 x 8", "4 x 4"});
+    expect_error("builtin:sky --width 8 --height 8 --reference small.exr -o out.exr --plan p.json",
+        2, {"8 x 8", "4 x 4"});
 }
 
 TEST_F(AdaptiveAaProgram, full_disk_is_an_error_and_leaves_nothing) {

@@ -317,6 +317,12 @@ TEST_F(GbufferTest, NormalMapTurnsTheNormalByItsTangents) {
         add(scene, rectangle({0, 0, 0}, {4, 0, 0}, {0, 4, 0}));
         const Samples samples = rasterise(scene, pixel_camera(4, 4), 4, 4, 1);
         EXPECT_LT(glm::length(samples.normal(1, 1) - bump), 0.01f) << "8-bit texels";
+
+        // A mirrored instance mirrors the bump across x and leaves its height along y.
+        scene.instances.front().world = glm::translate(glm::mat4(1.0f), glm::vec3(4, 0, 0)) *
+                                        glm::scale(glm::mat4(1.0f), glm::vec3(-1, 1, 1));
+        const Samples mirrored = rasterise(scene, pixel_camera(4, 4), 4, 4, 1);
+        EXPECT_LT(glm::length(mirrored.normal(1, 1) - bump * glm::vec3(-1, 1, 1)), 0.01f);
     }
 }
 
