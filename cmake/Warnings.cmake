@@ -7,6 +7,7 @@ endfunction()
 
 function(ockham_library name)
   add_library(${name} STATIC ${ARGN})
+  target_compile_features(${name} PUBLIC cxx_std_20) # what embeds us may be set to an older one
   target_include_directories(${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/shaders>)
   ockham_warnings(${name})
