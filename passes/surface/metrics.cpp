@@ -7,6 +7,15 @@
 
 namespace ockham {
 
+MetricsParams default_metrics(std::uint32_t m) {
+    const auto width = static_cast<float>(m);
+    MetricsParams params;
+    params.depth_weight = 15.0f * width;
+    params.normal_weight = 3.0f * width;
+    params.shading_weight = 10.0f * width;
+    return params;
+}
+
 Metrics add_metrics(Graph& graph, const MetricsInputs& in, const MetricsParams& params) {
     const ImageDesc counts{
         .format = VK_FORMAT_R8_UINT, .width = params.width, .height = params.height};

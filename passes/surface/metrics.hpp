@@ -24,6 +24,10 @@ struct MetricsParams {
     bool winner = false;          ///< also write which metric asked for the most
 };
 
+/// The constants for a window of m x m samples. They count samples, of which a wider window has
+/// more, so the three weights grow with m: 15 m, 3 m and 10 m; the members' defaults are m = 4's.
+MetricsParams default_metrics(std::uint32_t m);
+
 struct Metrics {
     ImageHandle sample_count; ///< r8ui, k = 1 ... n
     ImageHandle winner;       ///< r8ui, WINNER_* of shaders/surface/metrics.h; only on request

@@ -34,6 +34,7 @@ struct Options {
     std::string resolve = "prefix";
     std::string gbuffer = "packed";
     std::string preset = "paper";
+    float depth_weight = -1, normal_weight = -1, shading_weight = -1; ///< < 0: by the window
     MetricsParams metrics;
     int stall = 0;
     int anisotropy = 16;
@@ -51,14 +52,17 @@ void declare(Params& params, Options& o) {
     add("k", &o.k, "samples per pixel of --method uniform").range(1, 64);
     add("preset", &o.preset, "all choices below at once").choices({"paper"});
     add("metric", &o.metric, "what decides the samples per pixel").choices({"paper"});
-    add("c-depth", &o.metrics.depth_weight, "metric paper: weight of the depth variance")
-        .range(0, 1e9)
+    add("c-depth", &o.depth_weight,
+        "metric paper: weight of the depth variance; -1: 15 m (60 at 4 x 4)")
+        .range(-1, 1e9)
         .unit("samples per squared scene unit");
-    add("c-normal", &o.metrics.normal_weight, "metric paper: weight of the normal cone")
-        .range(0, 1e9)
+    add("c-normal", &o.normal_weight,
+        "metric paper: weight of the normal cone; -1: 3 m (12 at 4 x 4)")
+        .range(-1, 1e9)
         .unit("samples");
-    add("c-shading", &o.metrics.shading_weight, "metric paper: weight of the luma range")
-        .range(0, 1e9)
+    add("c-shading", &o.shading_weight,
+        "metric paper: weight of the luma range; -1: 10 m (40 at 4 x 4)")
+        .range(-1, 1e9)
         .unit("samples");
     add("t-min", &o.metrics.range_min, "metric paper: luma ranges below count as flat").range(0, 1);
     add("t-edge", &o.metrics.range_edge,
@@ -90,7 +94,12 @@ AdaptiveAaParams picture_params(const Options& o) {
                                        : AaMethod::adaptive;
     p.k = static_cast<std::uint32_t>(o.k);
     p.dispatch = o.dispatch == "loop" ? Dispatch::loop : Dispatch::buckets;
-    p.metrics = o.metrics;
+    p.metrics = default_metrics(p.m);
+    if (o.depth_weight >= 0) p.metrics.depth_weight = o.depth_weight;
+    if (o.normal_weight >= 0) p.metrics.normal_weight = o.normal_weight;
+    if (o.shading_weight >= 0) p.metrics.shading_weight = o.shading_weight;
+    p.metrics.range_min = o.metrics.range_min;
+    p.metrics.range_edge = o.metrics.range_edge;
     p.stall = static_cast<std::uint32_t>(o.stall);
     p.anisotropy = static_cast<std::uint32_t>(o.anisotropy);
     p.aov = o.aov;

@@ -211,7 +211,7 @@ TEST_F(AdaptiveAaProgram, missing_device_or_memory_is_exit_code_3) {
 TEST_F(AdaptiveAaProgram, help_version_and_devices) {
     const Result help = run("--help");
     EXPECT_EQ(help.exit_code, 0);
-    for (const char* flag : {"--m", "--method", "--stall", "--c-depth", "default 60"}) {
+    for (const char* flag : {"--m", "--method", "--stall", "--c-depth", "60 at 4 x 4"}) {
         EXPECT_NE(help.text.find(flag), std::string::npos) << flag;
     }
     EXPECT_EQ(run("--version").text.rfind("Ockham 0.", 0), 0u);

@@ -26,7 +26,7 @@ struct Options {
     int stall = 2000;
     int repeats = 3;
     std::string out;
-    MetricsParams metrics;
+    float depth_weight = -1, normal_weight = -1, shading_weight = -1; ///< < 0: by the window
 };
 
 /// One configuration, with its times under cheap and stalled shading.
@@ -87,7 +87,10 @@ private:
         p.height = static_cast<std::uint32_t>(options_.common.height);
         p.m = row.m;
         p.method = row.method;
-        p.metrics = options_.metrics;
+        p.metrics = default_metrics(row.m);
+        if (options_.depth_weight >= 0) p.metrics.depth_weight = options_.depth_weight;
+        if (options_.normal_weight >= 0) p.metrics.normal_weight = options_.normal_weight;
+        if (options_.shading_weight >= 0) p.metrics.shading_weight = options_.shading_weight;
         p.stall = stalled ? static_cast<std::uint32_t>(options_.stall) : 0;
         p.export_counts = true;
         return p;
@@ -160,14 +163,14 @@ int run(int argc, char** argv) {
         .range(1, 1000)
         .group("Table");
     params.add("out", &o.out, "writes this .md and this .csv").group("Table").transient();
-    params.add("c-depth", &o.metrics.depth_weight, "weight of the depth variance")
-        .range(0, 1e9)
+    params.add("c-depth", &o.depth_weight, "weight of the depth variance; -1: 15 m")
+        .range(-1, 1e9)
         .group("Table");
-    params.add("c-normal", &o.metrics.normal_weight, "weight of the normal cone")
-        .range(0, 1e9)
+    params.add("c-normal", &o.normal_weight, "weight of the normal cone; -1: 3 m")
+        .range(-1, 1e9)
         .group("Table");
-    params.add("c-shading", &o.metrics.shading_weight, "weight of the luma range")
-        .range(0, 1e9)
+    params.add("c-shading", &o.shading_weight, "weight of the luma range; -1: 10 m")
+        .range(-1, 1e9)
         .group("Table");
     add_view_flags(params, o.common);
     add_run_flags(params, o.common);
