@@ -28,11 +28,13 @@ enum class Access : std::uint8_t {
 /// Which programmable stage uses it; `fixed` where the access itself says (attachments, copies).
 enum class Stage : std::uint8_t { compute, vertex, fragment, fixed };
 
-/// The Vulkan meaning of one access.
+/// The Vulkan meaning of one access; the state that it leaves a resource in.
 struct AccessState {
     VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_NONE;
     VkAccessFlags2 access = VK_ACCESS_2_NONE;
     VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED; ///< images only
+    /// External resources only: who owns it. IGNORED: whichever queue family uses it.
+    std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;
 
     bool operator==(const AccessState&) const = default;
 };

@@ -16,6 +16,9 @@ Plan compile(
     cull(declaration, plan);
     place(declaration, capabilities, policy, plan);
     synchronize(declaration, plan);
+    plan.queues = {{0, 0}};
+    plan.submissions = {{.step_count = static_cast<std::uint32_t>(plan.steps.size())}};
+    plan.concurrent.assign(declaration.resources.size(), 0);
     plan.compile_us = 1e6 * timer.seconds();
     return plan;
 }

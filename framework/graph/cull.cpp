@@ -20,88 +20,36 @@ struct Demand {
     PassId culled_reader = kNone;  ///< the next pass that would read it, but is culled
 };
 
-void append_quoted(std::string& text, const std::string& name) {
-    text += '\'';
-    text += name;
-    text += '\'';
-}
-
-void append_reason(
-    std::string& text, const char* before, const std::string& reason, const char* after) {
-    if (reason.empty()) return;
-    text += before;
-    text += reason;
-    text += after;
-}
-
-/// Why a pass lives that writes `resource`.
-void append_demand(std::string& text, const Declaration& declaration, const Demand& demand,
-    const ResourceDecl& resource) {
-    if (demand.by != kNone) {
-        append_quoted(text, declaration.passes[demand.by].name);
-        text += " reads its ";
-        append_quoted(text, resource.name);
-    } else if (resource.exported) {
-        text += "exported ";
-        append_quoted(text, resource.name);
-        text += " needs it";
-        append_reason(text, " (", resource.export_reason, ")");
-    } else if (resource.lifetime == Lifetime::persistent) {
-        text += "persistent ";
-        append_quoted(text, resource.name);
-        text += " carries it to the next execution";
-    } else {
-        text += "external ";
-        append_quoted(text, resource.name);
-        text += " hands it to the caller";
-    }
+/// Why a write to `resource` that somebody needs is needed.
+Verdict kept_for(const Demand& demand, ResourceId id, const ResourceDecl& resource) {
+    using enum Verdict::Cause;
+    const Verdict::Cause cause = demand.by != kNone                        ? read
+                                 : resource.exported                       ? exported
+                                 : resource.lifetime == Lifetime::external ? external
+                                                                           : persistent;
+    return {false, cause, demand.by, kNone, id};
 }
 
 /// Why a culled pass's write to `resource` is worth nothing.
-void append_indifference(std::string& text, const Declaration& declaration, const Demand& demand,
-    const ResourceDecl& resource) {
-    if (demand.culled_reader != kNone) {
-        text += "only ";
-        append_quoted(text, declaration.passes[demand.culled_reader].name);
-        text += ", culled too, reads ";
-        append_quoted(text, resource.name);
-    } else if (demand.overwritten_by != kNone) {
-        append_quoted(text, declaration.passes[demand.overwritten_by].name);
-        text += " replaces ";
-        append_quoted(text, resource.name);
-        text += " before anything reads it";
-    } else {
-        text += "nothing reads ";
-        append_quoted(text, resource.name);
-    }
+Verdict culled_for(const Demand& demand, ResourceId id) {
+    using enum Verdict::Cause;
+    if (demand.culled_reader != kNone) return {true, unread_too, demand.culled_reader, kNone, id};
+    if (demand.overwritten_by != kNone)
+        return {true, overwritten, demand.overwritten_by, kNone, id};
+    return {true, unread, kNone, kNone, id};
 }
 
 Verdict judge(
     const Declaration& declaration, const PassDecl& pass, const std::vector<Demand>& demands) {
-    Verdict verdict;
-    const auto uses = uses_of(declaration, pass);
-    const auto wanted = std::find_if(uses.begin(), uses.end(),
-        [&](const Use& use) { return writes(use.access) && demands[use.resource].needed; });
-    std::string& text = verdict.reason;
-    if (wanted != uses.end()) {
-        text = "kept: ";
-        append_demand(
-            text, declaration, demands[wanted->resource], declaration.resources[wanted->resource]);
-    } else if (!pass.side_effect.empty()) {
-        text = "kept: side effect (" + pass.side_effect + ")";
-    } else {
-        verdict.culled = true;
-        text = "culled: ";
-        const std::size_t start = text.size();
-        for (const Use& use : uses) {
-            if (!writes(use.access)) continue;
-            if (text.size() != start) text += ", ";
-            append_indifference(
-                text, declaration, demands[use.resource], declaration.resources[use.resource]);
-        }
-        if (text.size() == start) text += "it writes nothing";
+    Verdict verdict{true, Verdict::Cause::writes_nothing, kNone, kNone, kNone};
+    for (const Use& use : uses_of(declaration, pass)) {
+        if (!writes(use.access)) continue;
+        const Demand& demand = demands[use.resource];
+        if (demand.needed)
+            return kept_for(demand, use.resource, declaration.resources[use.resource]);
+        if (verdict.resource == kNone) verdict = culled_for(demand, use.resource);
     }
-    append_reason(text, "; ", pass.reason, "");
+    if (!pass.side_effect.empty()) return {false, Verdict::Cause::side_effect, kNone, kNone, kNone};
     return verdict;
 }
 
@@ -124,28 +72,9 @@ struct Users {
     PassId first = kNone, last = kNone;
 };
 
-Verdict judge(const Declaration& declaration, const ResourceDecl& resource, Users users) {
-    Verdict verdict;
-    std::string& text = verdict.reason;
-    if (users.first == kNone) {
-        verdict.culled = true;
-        text = "culled: no live pass uses it";
-        return verdict;
-    }
-    text = "kept: used ";
-    text += users.first == users.last ? "by " : "from ";
-    append_quoted(text, declaration.passes[users.first].name);
-    if (users.first != users.last) {
-        text += " to ";
-        append_quoted(text, declaration.passes[users.last].name);
-    }
-    if (resource.lifetime == Lifetime::persistent) text += "; persistent";
-    if (resource.lifetime == Lifetime::external) text += "; external";
-    if (resource.exported) {
-        text += "; exported";
-        append_reason(text, " (", resource.export_reason, ")");
-    }
-    return verdict;
+Verdict judge(Users users) {
+    if (users.first == kNone) return {true, Verdict::Cause::unused, kNone, kNone, kNone};
+    return {false, Verdict::Cause::used, users.first, users.last, kNone};
 }
 
 } // namespace
@@ -169,7 +98,7 @@ void cull(const Declaration& declaration, Plan& plan) {
     std::vector<Users> users(declaration.resources.size());
     for (PassId id = 0; id < pass_count; ++id) {
         if (plan.passes[id].culled) continue;
-        plan.steps.push_back({id, 0, 0});
+        plan.steps.push_back({.pass = id});
         for (const Use& use : uses_of(declaration, declaration.passes[id])) {
             Users& user = users[use.resource];
             if (user.first == kNone) user.first = id;
@@ -177,8 +106,7 @@ void cull(const Declaration& declaration, Plan& plan) {
         }
     }
     plan.resources.reserve(users.size());
-    for (std::size_t i = 0; i < users.size(); ++i)
-        plan.resources.push_back(judge(declaration, declaration.resources[i], users[i]));
+    for (const Users& user : users) plan.resources.push_back(judge(user));
 }
 
 } // namespace ockham

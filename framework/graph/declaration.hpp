@@ -5,15 +5,19 @@
 
 #include "framework/graph/access.hpp"
 
+#include <array>
 #include <cstdint>
 #include <source_location>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace ockham {
 
-using ResourceId = std::uint32_t; ///< index into Declaration::resources
-using PassId = std::uint32_t;     ///< index into Declaration::passes
+using ResourceId = std::uint32_t;  ///< index into Declaration::resources
+using PassId = std::uint32_t;      ///< index into Declaration::passes
+using ConditionId = std::uint32_t; ///< index into Declaration::conditions
+using GuardId = std::uint32_t;     ///< index into Declaration::guards
 inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 enum class ResourceKind : std::uint8_t { buffer, image };
@@ -38,6 +42,18 @@ struct ImageDesc {
     std::uint32_t mips = 1;
 };
 
+/// A part of a buffer in bytes, or of an image in mips and layers. `kRest`: up to the end.
+inline constexpr std::uint64_t kRest = ~std::uint64_t{0};
+inline constexpr std::uint32_t kRestOfMips = ~std::uint32_t{0};
+struct Part {
+    std::uint64_t offset = 0; ///< buffers: bytes
+    std::uint64_t bytes = kRest;
+    std::uint32_t first_mip = 0, mips = kRestOfMips; ///< images
+    std::uint32_t first_layer = 0, layers = kRestOfMips;
+
+    bool operator==(const Part&) const = default;
+};
+
 /// Memory that a resource takes. Filled by the runtime from the device, else estimated from the
 /// description (estimate_memory in compile.hpp), so that plans can be made without a device.
 struct MemoryNeed {
@@ -60,6 +76,10 @@ struct ResourceDecl {
     /// used).
     AccessState entry;
     AccessState exit;
+    /// Histories: a ring of persistent resources with consecutive ids, the present one first. After
+    /// each execution what was `age` becomes `age + 1`, and the oldest is written next.
+    std::uint32_t history_depth = 0; ///< previous contents kept; 0: no history
+    std::uint32_t history_age = 0;   ///< 0: the present one
     std::source_location where;
 };
 
@@ -68,7 +88,7 @@ enum class Filter : std::uint8_t { texel, linear_clamp, linear_repeat };
 
 enum class LoadOp : std::uint8_t { discard, clear, load };
 
-/// One pass touches one resource once.
+/// One pass touches one resource, or part of it, once.
 struct Use {
     ResourceId resource = kNone;
     Access access = Access::sampled;
@@ -78,10 +98,15 @@ struct Use {
     /// Version seen (the content before this pass) and, for writes, version made.
     std::uint32_t version = 0;
     std::uint32_t version_written = kNone;
+    std::uint32_t part = kNone; ///< index into Declaration::parts; kNone: all of the resource
+};
+
+/// What only executing a use needs: kept apart, so that planning walks over small uses.
+struct UseDetail {
     /// Name in the shader that this use is bound to; empty where no shader names it.
     std::string binding;
     /// Clear value of an attachment: four floats, or depth in [0].
-    float clear[4] = {0, 0, 0, 0};
+    std::array<float, 4> clear{};
 };
 
 /// Whether the pass depends on the content before it; an attachment does only when loaded.
@@ -97,9 +122,31 @@ inline bool replaces_content(const Use& use) {
 
 enum class PassKind : std::uint8_t { compute, raster, transfer };
 
+/// Which queue a pass would rather run on, beside the main one. A wish: where the device has no
+/// such queue, or the policy forbids it, the pass runs on the main queue.
+enum class QueueWish : std::uint8_t { main, async_compute, transfer };
+
+/// A question that the caller answers before each execution; passes may depend on it.
+struct ConditionDecl {
+    std::string name;
+    std::source_location where;
+};
+
+/// "Only where `condition` is `wanted`, inside of `parent`". Passes without the guard's consent
+/// record nothing in that execution; what they would write keeps its content.
+struct Guard {
+    ConditionId condition = kNone;
+    bool wanted = true;
+    GuardId parent = kNone;
+
+    bool operator==(const Guard&) const = default;
+};
+
 struct PassDecl {
     std::string name;
     PassKind kind = PassKind::compute;
+    QueueWish queue = QueueWish::main;
+    GuardId guard = kNone;       ///< kNone: in every execution
     std::uint32_t first_use = 0; ///< uses of a pass are contiguous in Declaration::uses
     std::uint32_t use_count = 0;
     std::string reason;      ///< why the scene needs it, in the words of who added it
@@ -125,8 +172,23 @@ struct Declaration {
     std::vector<PassDecl> passes;
     std::vector<ResourceDecl> resources;
     std::vector<Use> uses;
+    std::vector<UseDetail> details; ///< one per use
+    std::vector<Part> parts;        ///< of the uses that name one
+    std::vector<ConditionDecl> conditions;
+    std::vector<Guard> guards;
     std::vector<Omission> omissions;
     std::vector<Misuse> misuses;
+
+    std::span<const Use> uses_of(PassId pass) const {
+        return {uses.data() + passes[pass].first_use, passes[pass].use_count};
+    }
+    /// `use` must be an element of `uses`.
+    const UseDetail& detail_of(const Use& use) const {
+        return details[static_cast<std::size_t>(&use - uses.data())];
+    }
 };
+
+/// The part of a resource that a use touches, with its ends resolved.
+Part part_of(const Declaration& declaration, const Use& use);
 
 } // namespace ockham

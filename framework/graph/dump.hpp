@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plan as text for people, DOT for graphviz, JSON for programs, and the reasons for everything.
+// A plan as text for people, DOT for graphviz, JSON for programs. explain.hpp has the reasons.
 // Pure functions from plain data to strings.
 #pragma once
 
@@ -19,7 +19,5 @@ std::string plan_dot(const Declaration& declaration, const Plan& plan);
 ///  barriers:[{resource,hazard,from,to,src_stages,...}], memory:{...}}. Omissions are listed as
 /// culled passes or resources.
 nlohmann::json plan_json(const Declaration& declaration, const Plan& plan);
-/// Every pass, resource and barrier with its reason, and everything left out with its reason.
-std::string explain(const Declaration& declaration, const Plan& plan);
 
 } // namespace ockham

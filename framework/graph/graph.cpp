@@ -10,125 +10,173 @@ namespace ockham {
 
 namespace {
 
-Use shader_use(Access access, std::string binding, Stage stage) {
-    Use use;
-    use.access = access;
-    use.stage = stage;
-    use.binding = std::move(binding);
-    return use;
+Use fixed_use(Access access) { return {.access = access, .stage = Stage::fixed}; }
+
+Use attachment(Access access, LoadOp load) {
+    return {.access = access, .stage = Stage::fixed, .load = load};
 }
 
-Use fixed_use(Access access) { return shader_use(access, {}, Stage::fixed); }
-
-Use attachment(Access access, LoadOp load, const float (&clear)[4]) {
-    Use use = fixed_use(access);
-    use.load = load;
-    std::copy(std::begin(clear), std::end(clear), std::begin(use.clear));
-    return use;
+ResourceDecl declare(
+    std::string name, BufferDesc desc, Lifetime lifetime, std::source_location where) {
+    ResourceDecl resource;
+    resource.name = std::move(name);
+    resource.lifetime = lifetime;
+    resource.buffer = desc;
+    resource.where = where;
+    return resource;
 }
 
-constexpr float kNoClear[4] = {0, 0, 0, 0};
+ResourceDecl declare(
+    std::string name, ImageDesc desc, Lifetime lifetime, std::source_location where) {
+    ResourceDecl resource;
+    resource.name = std::move(name);
+    resource.kind = ResourceKind::image;
+    resource.lifetime = lifetime;
+    resource.image = desc;
+    resource.where = where;
+    return resource;
+}
+
+void mix(Fingerprint& fingerprint, const AccessState& state) {
+    fingerprint.mix(state.stages);
+    fingerprint.mix(state.access);
+    fingerprint.mix(
+        std::uint64_t{static_cast<std::uint32_t>(state.layout)} << 32 | state.queue_family);
+}
+
+void mix(Fingerprint& fingerprint, const ResourceDecl& resource) {
+    fingerprint.mix(resource.name);
+    fingerprint.mix(static_cast<std::uint64_t>(resource.kind) << 8 |
+                    static_cast<std::uint64_t>(resource.lifetime));
+    if (resource.kind == ResourceKind::buffer) {
+        fingerprint.mix(resource.buffer.bytes);
+    } else {
+        const ImageDesc& image = resource.image;
+        fingerprint.mix(static_cast<std::uint64_t>(image.format));
+        fingerprint.mix(std::uint64_t{image.width} << 32 | image.height);
+        fingerprint.mix(std::uint64_t{image.depth} << 32 | image.layers);
+        fingerprint.mix(std::uint64_t{image.mips});
+    }
+    if (resource.lifetime == Lifetime::external) {
+        mix(fingerprint, resource.entry);
+        mix(fingerprint, resource.exit);
+    }
+    if (resource.history_depth)
+        fingerprint.mix(std::uint64_t{resource.history_depth} << 32 | resource.history_age);
+}
+
+void mix(Fingerprint& fingerprint, const Use& use, const UseDetail& detail, const Part& part) {
+    fingerprint.mix(
+        std::uint64_t{use.resource} << 32 | static_cast<std::uint64_t>(use.access) << 24 |
+        static_cast<std::uint64_t>(use.stage) << 16 | static_cast<std::uint64_t>(use.load) << 8 |
+        static_cast<std::uint64_t>(use.filter));
+    fingerprint.mix(detail.binding);
+    if (use.part == kNone) return;
+    fingerprint.mix(part.offset);
+    fingerprint.mix(part.bytes);
+    fingerprint.mix(std::uint64_t{part.first_mip} << 32 | part.mips);
+    fingerprint.mix(std::uint64_t{part.first_layer} << 32 | part.layers);
+}
 
 } // namespace
 
-PassBuilder& PassBuilder::sample(
-    std::string binding, ImageHandle image, Stage stage, Filter filter) {
-    Use use = shader_use(Access::sampled, std::move(binding), stage);
-    use.filter = filter;
-    graph_->use(pass_, image.resource, image.version, std::move(use));
+PassBuilder& PassBuilder::sample(std::string binding, ImagePart image, Stage stage, Filter filter) {
+    graph_->use(pass_, image, {.access = Access::sampled, .stage = stage, .filter = filter},
+        {.binding = std::move(binding)});
     return *this;
 }
 
-PassBuilder& PassBuilder::read(std::string binding, BufferHandle buffer, Stage stage) {
-    graph_->use(pass_, buffer.resource, buffer.version,
-        shader_use(Access::storage_read, std::move(binding), stage));
+PassBuilder& PassBuilder::read(std::string binding, BufferPart buffer, Stage stage) {
+    graph_->use(pass_, buffer, {.access = Access::storage_read, .stage = stage},
+        {.binding = std::move(binding)});
     return *this;
 }
 
-PassBuilder& PassBuilder::read(std::string binding, ImageHandle image, Stage stage) {
-    graph_->use(pass_, image.resource, image.version,
-        shader_use(Access::storage_read, std::move(binding), stage));
+PassBuilder& PassBuilder::read(std::string binding, ImagePart image, Stage stage) {
+    graph_->use(pass_, image, {.access = Access::storage_read, .stage = stage},
+        {.binding = std::move(binding)});
     return *this;
 }
 
-PassBuilder& PassBuilder::uniform(std::string binding, BufferHandle buffer, Stage stage) {
-    graph_->use(pass_, buffer.resource, buffer.version,
-        shader_use(Access::uniform, std::move(binding), stage));
+PassBuilder& PassBuilder::uniform(std::string binding, BufferPart buffer, Stage stage) {
+    graph_->use(pass_, buffer, {.access = Access::uniform, .stage = stage},
+        {.binding = std::move(binding)});
     return *this;
 }
 
-PassBuilder& PassBuilder::indirect(BufferHandle arguments) {
-    graph_->use(pass_, arguments.resource, arguments.version, fixed_use(Access::indirect));
+PassBuilder& PassBuilder::indirect(BufferPart arguments) {
+    graph_->use(pass_, arguments, fixed_use(Access::indirect));
     return *this;
 }
 
-PassBuilder& PassBuilder::vertices(BufferHandle buffer) {
-    graph_->use(pass_, buffer.resource, buffer.version, fixed_use(Access::vertex));
+PassBuilder& PassBuilder::vertices(BufferPart buffer) {
+    graph_->use(pass_, buffer, fixed_use(Access::vertex));
     return *this;
 }
 
-PassBuilder& PassBuilder::indices(BufferHandle buffer) {
-    graph_->use(pass_, buffer.resource, buffer.version, fixed_use(Access::index));
+PassBuilder& PassBuilder::indices(BufferPart buffer) {
+    graph_->use(pass_, buffer, fixed_use(Access::index));
     return *this;
 }
 
-PassBuilder& PassBuilder::copy_from(BufferHandle buffer) {
-    graph_->use(pass_, buffer.resource, buffer.version, fixed_use(Access::transfer_read));
+PassBuilder& PassBuilder::copy_from(BufferPart buffer) {
+    graph_->use(pass_, buffer, fixed_use(Access::transfer_read));
     return *this;
 }
 
-PassBuilder& PassBuilder::copy_from(ImageHandle image) {
-    graph_->use(pass_, image.resource, image.version, fixed_use(Access::transfer_read));
+PassBuilder& PassBuilder::copy_from(ImagePart image) {
+    graph_->use(pass_, image, fixed_use(Access::transfer_read));
     return *this;
 }
 
-BufferHandle PassBuilder::write(std::string binding, BufferHandle buffer, Stage stage) {
-    return {buffer.resource, graph_->use(pass_, buffer.resource, buffer.version,
-                                 shader_use(Access::storage_write, std::move(binding), stage))};
+BufferHandle PassBuilder::write(std::string binding, BufferPart buffer, Stage stage) {
+    return graph_->use(pass_, buffer, {.access = Access::storage_write, .stage = stage},
+        {.binding = std::move(binding)});
 }
 
-ImageHandle PassBuilder::write(std::string binding, ImageHandle image, Stage stage) {
-    return {image.resource, graph_->use(pass_, image.resource, image.version,
-                                shader_use(Access::storage_write, std::move(binding), stage))};
+ImageHandle PassBuilder::write(std::string binding, ImagePart image, Stage stage) {
+    return graph_->use(pass_, image, {.access = Access::storage_write, .stage = stage},
+        {.binding = std::move(binding)});
 }
 
-BufferHandle PassBuilder::read_write(std::string binding, BufferHandle buffer, Stage stage) {
-    return {
-        buffer.resource, graph_->use(pass_, buffer.resource, buffer.version,
-                             shader_use(Access::storage_read_write, std::move(binding), stage))};
+BufferHandle PassBuilder::read_write(std::string binding, BufferPart buffer, Stage stage) {
+    return graph_->use(pass_, buffer, {.access = Access::storage_read_write, .stage = stage},
+        {.binding = std::move(binding)});
 }
 
-ImageHandle PassBuilder::read_write(std::string binding, ImageHandle image, Stage stage) {
-    return {image.resource, graph_->use(pass_, image.resource, image.version,
-                                shader_use(Access::storage_read_write, std::move(binding), stage))};
+ImageHandle PassBuilder::read_write(std::string binding, ImagePart image, Stage stage) {
+    return graph_->use(pass_, image, {.access = Access::storage_read_write, .stage = stage},
+        {.binding = std::move(binding)});
 }
 
-BufferHandle PassBuilder::copy_to(BufferHandle buffer) {
-    return {buffer.resource,
-        graph_->use(pass_, buffer.resource, buffer.version, fixed_use(Access::transfer_write))};
+BufferHandle PassBuilder::copy_to(BufferPart buffer) {
+    return graph_->use(pass_, buffer, fixed_use(Access::transfer_write));
 }
 
-ImageHandle PassBuilder::copy_to(ImageHandle image) {
-    return {image.resource,
-        graph_->use(pass_, image.resource, image.version, fixed_use(Access::transfer_write))};
+ImageHandle PassBuilder::copy_to(ImagePart image) {
+    return graph_->use(pass_, image, fixed_use(Access::transfer_write));
 }
 
-ImageHandle PassBuilder::color(ImageHandle image, LoadOp load, const float (&clear)[4]) {
-    return {image.resource, graph_->use(pass_, image.resource, image.version,
-                                attachment(Access::color_attachment, load, clear))};
+ImageHandle PassBuilder::color(ImagePart image, LoadOp load, const std::array<float, 4>& clear) {
+    return graph_->use(
+        pass_, image, attachment(Access::color_attachment, load), {.binding = {}, .clear = clear});
 }
 
-ImageHandle PassBuilder::color(ImageHandle image, LoadOp load) {
-    return color(image, load, kNoClear);
+ImageHandle PassBuilder::color(ImagePart image, LoadOp load) { return color(image, load, {}); }
+
+ImageHandle PassBuilder::depth(ImagePart image, float clear_value) {
+    return graph_->use(pass_, image, attachment(Access::depth_attachment, LoadOp::clear),
+        {.binding = {}, .clear = {clear_value, 0, 0, 0}});
 }
 
-ImageHandle PassBuilder::depth(ImageHandle image, float clear_value) {
-    return {image.resource,
-        graph_->use(pass_, image.resource, image.version,
-            attachment(Access::depth_attachment, LoadOp::clear, {clear_value, 0, 0, 0}))};
+PassBuilder& PassBuilder::prefer(QueueWish queue) {
+    graph_->declaration_.passes[pass_].queue = queue;
+    graph_->fingerprint_.mix(static_cast<std::uint64_t>(queue));
+    return *this;
 }
 
 PassBuilder& PassBuilder::side_effect(std::string why) {
+    graph_->fingerprint_.mix(std::uint64_t{!why.empty()});
     graph_->declaration_.passes[pass_].side_effect = std::move(why);
     return *this;
 }
@@ -143,58 +191,76 @@ PassBuilder& PassBuilder::record(std::function<void(Commands&)> function) {
     return *this;
 }
 
+GuardScope::GuardScope(Graph& graph, Guard guard) : graph_(graph), outer_(graph.guard_) {
+    std::vector<Guard>& guards = graph.declaration_.guards;
+    guard.parent = outer_;
+    auto found = std::find(guards.begin(), guards.end(), guard);
+    if (found == guards.end()) {
+        found = guards.insert(found, guard);
+        graph.fingerprint_.mix(std::uint64_t{guard.condition} << 1 | std::uint64_t{guard.wanted});
+        graph.fingerprint_.mix(std::uint64_t{guard.parent});
+    }
+    graph.guard_ = static_cast<GuardId>(found - guards.begin());
+}
+
+GuardScope::~GuardScope() { graph_.guard_ = outer_; }
+
 Graph::Graph(std::string name) { declaration_.name = std::move(name); }
 
 BufferHandle Graph::create_buffer(std::string name, BufferDesc desc, std::source_location where) {
-    ResourceDecl resource;
-    resource.name = std::move(name);
-    resource.buffer = desc;
-    resource.where = where;
-    return {add_resource(std::move(resource))};
+    return {add_resource(declare(std::move(name), desc, Lifetime::transient, where))};
 }
 
 ImageHandle Graph::create_image(std::string name, ImageDesc desc, std::source_location where) {
-    ResourceDecl resource;
-    resource.name = std::move(name);
-    resource.kind = ResourceKind::image;
-    resource.image = desc;
-    resource.where = where;
-    return {add_resource(std::move(resource))};
+    return {add_resource(declare(std::move(name), desc, Lifetime::transient, where))};
 }
 
 BufferHandle Graph::create_persistent_buffer(
     std::string name, BufferDesc desc, std::source_location where) {
-    const BufferHandle handle = create_buffer(std::move(name), desc, where);
-    declaration_.resources[handle.resource].lifetime = Lifetime::persistent;
-    return handle;
+    return {add_resource(declare(std::move(name), desc, Lifetime::persistent, where))};
 }
 
 ImageHandle Graph::create_persistent_image(
     std::string name, ImageDesc desc, std::source_location where) {
-    const ImageHandle handle = create_image(std::move(name), desc, where);
-    declaration_.resources[handle.resource].lifetime = Lifetime::persistent;
-    return handle;
+    return {add_resource(declare(std::move(name), desc, Lifetime::persistent, where))};
+}
+
+History<BufferHandle> Graph::create_history_buffer(
+    std::string name, BufferDesc desc, std::uint32_t depth, std::source_location where) {
+    return add_history<BufferHandle>(
+        declare(std::move(name), desc, Lifetime::persistent, where), depth);
+}
+
+History<ImageHandle> Graph::create_history_image(
+    std::string name, ImageDesc desc, std::uint32_t depth, std::source_location where) {
+    return add_history<ImageHandle>(
+        declare(std::move(name), desc, Lifetime::persistent, where), depth);
 }
 
 BufferHandle Graph::import_buffer(std::string name, BufferDesc desc, AccessState entry,
     AccessState exit, std::source_location where) {
-    const BufferHandle handle = create_buffer(std::move(name), desc, where);
-    ResourceDecl& resource = declaration_.resources[handle.resource];
-    resource.lifetime = Lifetime::external;
+    ResourceDecl resource = declare(std::move(name), desc, Lifetime::external, where);
     resource.entry = entry;
     resource.exit = exit;
-    return handle;
+    return {add_resource(std::move(resource))};
 }
 
 ImageHandle Graph::import_image(std::string name, ImageDesc desc, AccessState entry,
     AccessState exit, std::source_location where) {
-    const ImageHandle handle = create_image(std::move(name), desc, where);
-    ResourceDecl& resource = declaration_.resources[handle.resource];
-    resource.lifetime = Lifetime::external;
+    ResourceDecl resource = declare(std::move(name), desc, Lifetime::external, where);
     resource.entry = entry;
     resource.exit = exit;
-    return handle;
+    return {add_resource(std::move(resource))};
 }
+
+Condition Graph::add_condition(std::string name, std::source_location where) {
+    fingerprint_.mix(name);
+    declaration_.conditions.push_back({std::move(name), where});
+    return {static_cast<ConditionId>(declaration_.conditions.size() - 1)};
+}
+
+GuardScope Graph::when(Condition condition) { return {*this, {condition.id, true, kNone}}; }
+GuardScope Graph::unless(Condition condition) { return {*this, {condition.id, false, kNone}}; }
 
 PassBuilder Graph::add_compute_pass(std::string name, std::source_location where) {
     return {*this, add_pass(std::move(name), PassKind::compute, where)};
@@ -245,9 +311,12 @@ const BufferDesc& Graph::desc(BufferHandle buffer) const {
 }
 
 PassId Graph::add_pass(std::string name, PassKind kind, std::source_location where) {
+    fingerprint_.mix(name);
+    fingerprint_.mix(std::uint64_t{guard_} << 8 | static_cast<std::uint64_t>(kind));
     PassDecl pass;
     pass.name = std::move(name);
     pass.kind = kind;
+    pass.guard = guard_;
     pass.first_use = static_cast<std::uint32_t>(declaration_.uses.size());
     pass.where = where;
     declaration_.passes.push_back(std::move(pass));
@@ -256,9 +325,27 @@ PassId Graph::add_pass(std::string name, PassKind kind, std::source_location whe
 }
 
 ResourceId Graph::add_resource(ResourceDecl resource) {
+    mix(fingerprint_, resource);
     declaration_.resources.push_back(std::move(resource));
     versions_.push_back(0);
     return static_cast<ResourceId>(versions_.size() - 1);
+}
+
+template <class HandleType>
+History<HandleType> Graph::add_history(ResourceDecl resource, std::uint32_t depth) {
+    if (depth == 0)
+        misuse("bad-size", fmt::format("{} is a history of depth 0; ask for at least 1, or make it "
+                                       "persistent",
+                               describe(resource)));
+    resource.history_depth = depth;
+    History<HandleType> history{{add_resource(resource)}, {}};
+    for (std::uint32_t age = 1; age <= depth; ++age) {
+        ResourceDecl previous = resource;
+        previous.name += fmt::format("@-{}", age);
+        previous.history_age = age;
+        history.previous.push_back({add_resource(std::move(previous))});
+    }
+    return history;
 }
 
 ResourceId Graph::find(std::string_view name, ResourceKind kind) const {
@@ -285,11 +372,33 @@ void Graph::refuse_handle(const std::string& user, ResourceId resource, std::uin
                 user, version, describe(declaration_.resources[resource]), versions_[resource]));
 }
 
-std::uint32_t Graph::use(PassId pass, ResourceId resource, std::uint32_t version, Use use) {
+void Graph::refuse_second_writer(PassId pass, ResourceId resource, std::uint32_t version) {
+    const auto first =
+        std::find_if(declaration_.uses.begin(), declaration_.uses.end(), [&](const Use& use) {
+            return use.resource == resource && use.version == version &&
+                   use.version_written != kNone;
+        });
+    const auto writer = std::find_if(
+        declaration_.passes.begin(), declaration_.passes.end(), [&](const PassDecl& decl) {
+            return declaration_.uses.begin() + decl.first_use + decl.use_count > first;
+        });
+    misuse("two-writers",
+        fmt::format("{} and {} both write version {} of {}; let the second write the handle that "
+                    "the first returned",
+            describe(*writer), describe(declaration_.passes[pass]), version,
+            describe(declaration_.resources[resource])));
+}
+
+template <ResourceKind Kind>
+Handle<Kind> Graph::use(PassId pass, const PartOf<Kind>& target, Use use, UseDetail detail) {
+    const auto [resource, version] = target.handle;
     PassDecl& user = declaration_.passes[pass];
     if (!is_newest(resource, version)) {
-        refuse_handle(describe(user), resource, version);
-        return version;
+        if (writes(use.access) && resource < versions_.size() && version < versions_[resource])
+            refuse_second_writer(pass, resource, version);
+        else
+            refuse_handle(describe(user), resource, version);
+        return target.handle;
     }
     if (pass + 1 != declaration_.passes.size()) {
         misuse("closed-pass",
@@ -297,14 +406,20 @@ std::uint32_t Graph::use(PassId pass, ResourceId resource, std::uint32_t version
                         "next",
                 describe(user), describe(declaration_.resources[resource]),
                 describe(declaration_.passes.back())));
-        return version;
+        return target.handle;
     }
     use.resource = resource;
     use.version = version;
     if (writes(use.access)) use.version_written = ++versions_[resource];
+    if (target.part != Part{}) {
+        use.part = static_cast<std::uint32_t>(declaration_.parts.size());
+        declaration_.parts.push_back(target.part);
+    }
+    mix(fingerprint_, use, detail, target.part);
     ++user.use_count;
-    declaration_.uses.push_back(std::move(use));
-    return versions_[resource];
+    declaration_.uses.push_back(use);
+    declaration_.details.push_back(std::move(detail));
+    return {resource, versions_[resource]};
 }
 
 void Graph::add_export(ResourceId resource, std::uint32_t version, std::string why) {
@@ -312,6 +427,7 @@ void Graph::add_export(ResourceId resource, std::uint32_t version, std::string w
         refuse_handle(fmt::format("the export '{}'", why), resource, version);
         return;
     }
+    fingerprint_.mix(std::uint64_t{resource});
     declaration_.resources[resource].exported = true;
     declaration_.resources[resource].export_reason = std::move(why);
 }

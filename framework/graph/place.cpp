@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/core/error.hpp"
+#include "framework/graph/explain.hpp"
 #include "framework/graph/pack.hpp"
 #include "framework/graph/phases.hpp"
 
@@ -86,7 +87,7 @@ std::uint64_t lower_bound(const Declaration& declaration, const Plan& plan) {
         table +=
             fmt::format("\n  {:10.3f} MiB  {:<24} {}", static_cast<double>(largest[i].bytes) / mib,
                 declaration.resources[largest[i].resource].name,
-                plan.resources[largest[i].resource].reason);
+                reason_of_resource(declaration, plan, largest[i].resource));
     fail_device("[over-budget] graph '{}': its {} resources need {:.3f} MiB, the memory budget is "
                 "{:.3f} MiB and this order of passes needs at least {:.3f} MiB; shrink, "
                 "split or raise it. The largest:{}",

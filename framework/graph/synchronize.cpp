@@ -233,9 +233,10 @@ private:
         tail.pass = next.pass;
     }
 
-    static Barrier barrier_to(ResourceId id, const Tail& tail, const Next& next) {
+    Barrier barrier_to(ResourceId id, const Tail& tail, const Next& next) const {
         Barrier barrier;
         barrier.resource = id;
+        barrier.part = part_of(declaration_, Use{.resource = id});
         barrier.from = tail.pass;
         barrier.to = next.pass;
         barrier.src_stages = tail.state.stages;

@@ -172,15 +172,16 @@ private:
     void check_binding(const PassDecl& pass, const Use& use, const ResourceDecl& resource,
         std::span<const Use> uses) const {
         if (!in_shader(use.access)) return;
-        if (use.binding.empty())
+        const std::string& binding = declaration_.detail_of(use).binding;
+        if (binding.empty())
             fail("missing-binding", "{} uses {} as {} without a name in its shader; give one",
                 describe(pass), describe(resource), name_of(use.access));
         for (const Use& other : uses) {
             if (&other == &use) break;
-            if (other.resource != use.resource && other.binding == use.binding)
+            if (other.resource != use.resource && declaration_.detail_of(other).binding == binding)
                 fail("duplicate-binding", "{} binds both {} and {} to '{}'; rename one",
                     describe(pass), describe(declaration_.resources[other.resource]),
-                    describe(resource), use.binding);
+                    describe(resource), binding);
         }
     }
 

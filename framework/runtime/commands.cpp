@@ -105,17 +105,20 @@ void CommandsImpl::expect_pipeline(const char* command) const {
 const Use& CommandsImpl::match(
     const gpu::Pipeline& pipeline, const gpu::PipelineLayout::Slot& slot) const {
     const gpu::ShaderBinding& binding = slot.binding;
-    const auto found = std::ranges::find(uses(), binding.name, &Use::binding);
+    const Declaration& declaration = recording_.declaration;
+    const auto found = std::ranges::find(
+        uses(), binding.name, [&](const Use& use) { return declaration.detail_of(use).binding; });
     if (found == uses().end()) {
         std::vector<std::string_view> declared;
         for (const Use& use : uses()) {
-            if (!use.binding.empty()) declared.push_back(use.binding);
+            const std::string& name = declaration.detail_of(use).binding;
+            if (!name.empty()) declared.push_back(name);
         }
         fail("shader '{}' uses binding '{}', which the pass did not declare; it declared: {}",
             slot.shader, binding.name, fmt::join(declared, ", "));
     }
     const Use& use = *found;
-    const ResourceDecl& resource = recording_.declaration.resources[use.resource];
+    const ResourceDecl& resource = declaration.resources[use.resource];
     if (descriptor_of(use.access, resource.kind) != binding.type) {
         fail("shader '{}', binding '{}' is {} in the shader, but declared as {} ('{}' of {} '{}')",
             slot.shader, binding.name, describe(binding.type),

@@ -9,6 +9,7 @@
 #include "framework/gpu/pipeline.hpp"
 #include "framework/gpu/timestamps.hpp"
 #include "framework/gpu/transfer.hpp"
+#include "framework/graph/explain.hpp"
 #include "framework/runtime/commands_impl.hpp"
 
 #include <algorithm>
@@ -429,7 +430,7 @@ private:
         const ResourceDecl& resource = declaration.resources[id];
         if (plan_.resources[id].culled) {
             fail_input("'{}' of graph '{}' cannot be read: it is culled, {}", resource.name,
-                graph_.name(), plan_.resources[id].reason);
+                graph_.name(), reason_of_resource(declaration, plan_, id));
         }
         if (resource.lifetime == Lifetime::transient && !resource.exported) {
             fail_input("'{}' of graph '{}' cannot be read: its memory is not kept; export it",
@@ -510,7 +511,7 @@ private:
         if (target.framebuffer) return target;
         const std::string& name = graph_.declaration().passes[pass].name;
         std::vector<VkImageView> views;
-        std::optional<Use> depth;
+        const Use* depth = nullptr;
         const auto add = [&](const Use& use) {
             const gpu::Image& image = *resources_[use.resource].image;
             const bool is_depth = use.access == Access::depth_attachment;
@@ -527,13 +528,13 @@ private:
                                                 ? VK_ATTACHMENT_LOAD_OP_LOAD
                                                 : VK_ATTACHMENT_LOAD_OP_DONT_CARE;
             target.attachments.push_back({image.info().format, load, is_depth});
-            target.clears.push_back(gpu::clear_value(
-                image.info().format, {use.clear[0], use.clear[1], use.clear[2], use.clear[3]}));
+            target.clears.push_back(
+                gpu::clear_value(image.info().format, graph_.declaration().detail_of(use).clear));
             views.push_back(image.view(VK_IMAGE_VIEW_TYPE_2D, false));
         };
         for (const Use& use : uses_of(pass)) {
             if (use.access == Access::color_attachment) add(use);
-            if (use.access == Access::depth_attachment) depth = use;
+            if (use.access == Access::depth_attachment) depth = &use;
         }
         if (depth) add(*depth);
         if (views.empty()) fail_input("pass '{}' is a raster pass without attachments", name);

@@ -10,6 +10,7 @@
 #include "framework/core/timer.hpp"
 #include "framework/core/version.hpp"
 #include "framework/graph/dump.hpp"
+#include "framework/graph/explain.hpp"
 #include "framework/io/image_file.hpp"
 #include "passes/pipelines/adaptive_aa.hpp"
 

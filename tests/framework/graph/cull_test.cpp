@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "framework/graph/explain.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 
 #include <gtest/gtest.h>
@@ -9,9 +10,11 @@ namespace {
 std::string verdict(const Graph& graph, const Plan& plan, const std::string& name) {
     const Declaration& declaration = graph.declaration();
     for (std::size_t i = 0; i < declaration.passes.size(); ++i)
-        if (declaration.passes[i].name == name) return plan.passes[i].reason;
+        if (declaration.passes[i].name == name)
+            return reason_of_pass(declaration, plan, static_cast<PassId>(i));
     for (std::size_t i = 0; i < declaration.resources.size(); ++i)
-        if (declaration.resources[i].name == name) return plan.resources[i].reason;
+        if (declaration.resources[i].name == name)
+            return reason_of_resource(declaration, plan, static_cast<ResourceId>(i));
     return "no such name";
 }
 

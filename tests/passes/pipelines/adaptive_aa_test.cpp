@@ -3,6 +3,7 @@
 // what the scene and the window need.
 #include "framework/core/image.hpp"
 #include "framework/graph/dump.hpp"
+#include "framework/graph/explain.hpp"
 #include "framework/scene/builtin.hpp"
 #include "passes/pipelines/adaptive_aa.hpp"
 #include "tests/support/gpu_fixture.hpp"
