@@ -12,10 +12,10 @@ Plan compile(
     const Declaration& declaration, const Capabilities& capabilities, const Policy& policy) {
     const Timer timer;
     Plan plan;
-    validate(declaration, capabilities);
-    cull(declaration, plan);
+    const Pieces pieces = validate(declaration, capabilities);
+    cull(declaration, pieces, plan);
     place(declaration, capabilities, policy, plan);
-    synchronize(declaration, plan);
+    synchronize(declaration, pieces, plan);
     plan.queues = {{0, 0}};
     plan.submissions = {{.step_count = static_cast<std::uint32_t>(plan.steps.size())}};
     plan.concurrent.assign(declaration.resources.size(), 0);

@@ -79,7 +79,7 @@ Verdict judge(Users users) {
 
 } // namespace
 
-void cull(const Declaration& declaration, Plan& plan) {
+void cull(const Declaration& declaration, const Pieces&, Plan& plan) {
     const std::size_t pass_count = declaration.passes.size();
     std::vector<Demand> demands(declaration.resources.size());
     for (std::size_t i = 0; i < demands.size(); ++i) {

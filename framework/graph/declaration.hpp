@@ -45,11 +45,12 @@ struct ImageDesc {
 /// A part of a buffer in bytes, or of an image in mips and layers. `kRest`: up to the end.
 inline constexpr std::uint64_t kRest = ~std::uint64_t{0};
 inline constexpr std::uint32_t kRestOfMips = ~std::uint32_t{0};
+inline constexpr std::uint32_t kRestOfLayers = ~std::uint32_t{0};
 struct Part {
     std::uint64_t offset = 0; ///< buffers: bytes
     std::uint64_t bytes = kRest;
     std::uint32_t first_mip = 0, mips = kRestOfMips; ///< images
-    std::uint32_t first_layer = 0, layers = kRestOfMips;
+    std::uint32_t first_layer = 0, layers = kRestOfLayers;
 
     bool operator==(const Part&) const = default;
 };

@@ -4,14 +4,16 @@
 #pragma once
 
 #include "framework/graph/compile.hpp"
+#include "framework/graph/pieces.hpp"
 
 namespace ockham {
 
-/// Throws Error(input) for the first mistake in the declaration.
-void validate(const Declaration& declaration, const Capabilities& capabilities);
+/// Throws Error(input) for the first mistake in the declaration; returns the pieces that the others
+/// work on.
+Pieces validate(const Declaration& declaration, const Capabilities& capabilities);
 
 /// Fills Plan::steps (without barriers), passes and resources.
-void cull(const Declaration& declaration, Plan& plan);
+void cull(const Declaration& declaration, const Pieces& pieces, Plan& plan);
 
 /// Fills Plan::placements, in order of first_step, heaps and bytes_*.
 /// Throws Error(device) where the budget of the policy does not suffice.
@@ -19,6 +21,6 @@ void place(const Declaration& declaration, const Capabilities& capabilities, con
     Plan& plan);
 
 /// Fills Plan::barriers, those of the steps and of the exit, final_states and usages.
-void synchronize(const Declaration& declaration, Plan& plan);
+void synchronize(const Declaration& declaration, const Pieces& pieces, Plan& plan);
 
 } // namespace ockham

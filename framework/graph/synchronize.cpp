@@ -277,7 +277,7 @@ private:
 
 } // namespace
 
-void synchronize(const Declaration& declaration, Plan& plan) {
+void synchronize(const Declaration& declaration, const Pieces&, Plan& plan) {
     Synchronizer(declaration, plan).run();
 }
 

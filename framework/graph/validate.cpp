@@ -271,8 +271,9 @@ private:
 
 } // namespace
 
-void validate(const Declaration& declaration, const Capabilities& capabilities) {
+Pieces validate(const Declaration& declaration, const Capabilities& capabilities) {
     Validator(declaration, capabilities).run();
+    return Pieces(declaration);
 }
 
 } // namespace ockham
