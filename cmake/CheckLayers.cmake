@@ -36,6 +36,7 @@ set(edge_types
 set(third_party
   "^vulkan/" "^framework/(graph|gpu|runtime)/" "only graph, gpu and runtime see Vulkan"
   "^spirv" "^framework/gpu/[^/]*\\.cpp$" "only sources of framework/gpu read SPIR-V"
+  "^glslang/" "^framework/gpu/shader_compiler\\.cpp$" "only framework/gpu/shader_compiler.cpp compiles GLSL"
   "^tiny_?gltf" "^framework/io/gltf[^/]*\\.cpp$" "only framework/io/gltf*.cpp read glTF"
   "^(OpenEXR|Imath)/|^Imf" "^framework/io/exr\\.cpp$" "only framework/io/exr.cpp reads EXR"
   "^(stb/)?stb_" "^framework/io/[^/]*\\.cpp$" "only sources of framework/io code pictures"

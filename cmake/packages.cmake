@@ -5,8 +5,8 @@ set(OCKHAM_PACKAGES
   # tools
   g++ ninja-build pkg-config glslang-tools
   # libraries
-  libcli11-dev libfmt-dev libglm-dev libopenexr-dev libspirv-cross-c-shared-dev libstb-dev
-  libtinygltf-dev libvulkan-dev nlohmann-json3-dev
+  glslang-dev libcli11-dev libfmt-dev libglm-dev libopenexr-dev libspirv-cross-c-shared-dev
+  libstb-dev libtinygltf-dev libvulkan-dev nlohmann-json3-dev
   # a Vulkan device in software, used where there is no other
   mesa-vulkan-drivers
   # tests

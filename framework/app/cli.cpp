@@ -5,6 +5,8 @@
 #include "framework/core/file.hpp"
 #include "framework/core/log.hpp"
 #include "framework/core/version.hpp"
+#include "framework/gpu/pipeline.hpp"
+#include "framework/gpu/shader_folder.hpp"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -96,6 +98,10 @@ void add_run_flags(Params& params, CommonOptions& o) {
         .transient();
     params.add("validation", &o.validation, "Vulkan validation; any message is an error")
         .choices({"off", "core", "sync", "gpu"})
+        .group(kRun);
+    params
+        .add("shader-dir", &o.shader_dir,
+            "folder of GLSL in place of built-in shaders of the same name, watched for changes")
         .group(kRun);
     params.add("memory-budget", &o.memory_budget, "device memory to use at most; 0: what the device reports")
         .range(0, 1 << 30)
@@ -243,6 +249,13 @@ gpu::DeviceOptions device_options(const CommonOptions& options) {
                                                        : gpu::Validation::off;
     return device;
 }
+
+void watch_shaders(gpu::Device& device, const CommonOptions& options) {
+    if (options.shader_dir.empty()) return;
+    device.pipelines().reload_from(std::make_unique<gpu::ShaderFolder>(options.shader_dir));
+}
+
+void reload_shaders(gpu::Device& device) { device.pipelines().reload(); }
 
 void expect_no_validation_messages(const gpu::Device& device) {
     const std::vector<std::string> messages = device.validation_messages();

@@ -28,6 +28,7 @@ struct CommonOptions {
     std::string gpu;
     bool list_gpus = false;
     std::string validation = "off";
+    std::string shader_dir;
     std::string stats;
     std::string trace;
     std::string plan;
@@ -58,6 +59,12 @@ int run_program(const std::function<int()>& body);
 bool interrupted();
 
 gpu::DeviceOptions device_options(const CommonOptions& options);
+/// With --shader-dir: takes shaders from there, or throws Error(input) where there is no such folder.
+/// Call it once, before anything is executed.
+void watch_shaders(gpu::Device& device, const CommonOptions& options);
+/// Takes up what has changed in --shader-dir since; call it between executions. Errors in shaders
+/// are logged, and those before stay in use.
+void reload_shaders(gpu::Device& device);
 /// Throws Error(device) with the first message if validation found anything so far.
 void expect_no_validation_messages(const gpu::Device& device);
 

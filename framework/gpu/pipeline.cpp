@@ -35,8 +35,8 @@ void expect_stage(const Reflection& shader, VkShaderStageFlagBits stage) {
 /// A shader module that lives while pipelines are made from it.
 class Module {
 public:
-    Module(const Device& device, const std::string& name) : device_(device) {
-        const std::span<const std::uint32_t> words = find_shader(name);
+    Module(const Device& device, const std::string& name, std::span<const std::uint32_t> words)
+        : device_(device) {
         const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
             .codeSize = words.size_bytes(),
             .pCode = words.data()};
@@ -106,6 +106,63 @@ VkPipelineShaderStageCreateInfo stage_info(
         .pSpecializationInfo = &table.info};
 }
 
+/// What all stages together bind and push; handles are null.
+PipelineLayout merge(std::span<const Reflection* const> shaders) {
+    PipelineLayout layout;
+    for (const Reflection* const shader : shaders) {
+        if (shader->push_bytes > 0) {
+            layout.push_bytes = std::max(layout.push_bytes, shader->push_bytes);
+            layout.push_stages |= shader->stage;
+        }
+        for (const ShaderBinding& binding : shader->bindings) {
+            const auto slot = std::ranges::find_if(layout.slots, [&](const auto& other) {
+                return other.binding.set == binding.set && other.binding.binding == binding.binding;
+            });
+            if (slot == layout.slots.end()) {
+                layout.slots.push_back({binding, shader->name, VkShaderStageFlags(shader->stage)});
+                continue;
+            }
+            if (slot->binding.name != binding.name || slot->binding.type != binding.type) {
+                fail_input(
+                    "shaders '{}' and '{}' disagree about set {}, binding {}: '{}' and '{}'; "
+                    "give one of them another number",
+                    slot->shader, shader->name, binding.set, binding.binding, slot->binding.name,
+                    binding.name);
+            }
+            slot->binding.reads |= binding.reads;
+            slot->binding.writes |= binding.writes;
+            slot->stages |= shader->stage;
+        }
+    }
+    std::ranges::sort(layout.slots, {}, [](const PipelineLayout::Slot& slot) {
+        return std::pair(slot.binding.set, slot.binding.binding);
+    });
+    return layout;
+}
+
+/// Reloaded shaders may leave bindings out and number them anew, and that is all.
+void expect_fits(const PipelineLayout& reloaded, const PipelineLayout& embedded) {
+    for (const PipelineLayout::Slot& slot : reloaded.slots) {
+        const ShaderBinding& binding = slot.binding;
+        const auto same = std::ranges::find(embedded.slots, binding.name,
+            [](const PipelineLayout::Slot& other) { return other.binding.name; });
+        if (same == embedded.slots.end()) {
+            fail_input("shader '{}' uses binding '{}', which the one built in does not, so passes "
+                       "may not declare it; rebuild the program",
+                slot.shader, binding.name);
+        }
+        const ShaderBinding& known = same->binding;
+        if (binding.type != known.type || binding.reads != known.reads ||
+            binding.writes != known.writes || binding.view_type != known.view_type ||
+            binding.format != known.format || slot.stages != same->stages) {
+            fail_input("shader '{}' uses binding '{}' in another way (kind, format, direction or "
+                       "stages) than the one built in, for which passes are declared; rebuild the "
+                       "program",
+                slot.shader, binding.name);
+        }
+    }
+}
+
 } // namespace
 
 Pipelines::Pipelines(Device& device, std::filesystem::path cache_dir) : device_(device) {
@@ -115,13 +172,13 @@ Pipelines::Pipelines(Device& device, std::filesystem::path cache_dir) : device_(
 Pipelines::~Pipelines() {
     save_cache();
     const VkDevice device = device_.handle();
-    for (const auto& [key, pipeline] : compute_)
+    for (const Pipeline& pipeline : pipelines_) {
         vkDestroyPipeline(device, pipeline.handle, nullptr);
-    for (const auto& [key, pipeline] : raster_) vkDestroyPipeline(device, pipeline.handle, nullptr);
+    }
     for (const auto& [key, pass] : render_passes_) vkDestroyRenderPass(device, pass, nullptr);
-    for (const auto& [key, layout] : layouts_) {
-        vkDestroyPipelineLayout(device, layout->handle, nullptr);
-        for (const VkDescriptorSetLayout set : layout->sets) {
+    for (const PipelineLayout& layout : layouts_) {
+        vkDestroyPipelineLayout(device, layout.handle, nullptr);
+        for (const VkDescriptorSetLayout set : layout.sets) {
             vkDestroyDescriptorSetLayout(device, set, nullptr);
         }
     }
@@ -130,66 +187,120 @@ Pipelines::~Pipelines() {
 
 std::size_t Pipelines::count() const {
     const std::lock_guard lock(mutex_);
-    return compute_.size() + raster_.size();
+    return now_.pipelines.size();
 }
 
-const Reflection& Pipelines::reflection(const std::string& shader) {
-    const auto found = reflections_.find(shader);
-    if (found != reflections_.end()) return found->second;
-    return reflections_.emplace(shader, reflect(shader, find_shader(shader))).first->second;
+const Pipeline& Pipelines::compute(std::string_view shader, const Specialization& specialization) {
+    return get(ComputeKey(shader, specialization));
+}
+
+const Pipeline& Pipelines::raster(
+    const RasterState& state, const std::vector<Attachment>& attachments) {
+    return get(RasterKey(state, attachments));
+}
+
+Pipelines::Shaders Pipelines::shaders_of(const Key& key) {
+    if (const auto* const compute = std::get_if<ComputeKey>(&key)) return {compute->first};
+    const RasterState& state = std::get<RasterKey>(key).first;
+    if (state.fragment_shader.empty()) return {state.vertex_shader};
+    return {state.vertex_shader, state.fragment_shader};
+}
+
+const Pipeline& Pipelines::get(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    const auto found = now_.pipelines.find(key);
+    if (found != now_.pipelines.end()) return *found->second;
+    if (!source_) return make(key);
+
+    // The embedded shaders first: they are the last good ones, should the source's fail.
+    const Shaders names = shaders_of(key);
+    std::set<std::string> unseen, reloaded;
+    for (const std::string& name : names) {
+        const auto row = now_.shaders.find(name);
+        if (row == now_.shaders.end()) {
+            unseen.insert(name);
+        } else if (!row->second.reloaded.empty()) {
+            reloaded.insert(name);
+        }
+    }
+    try {
+        make(key);
+    } catch (const Error& error) {
+        // What was reloaded for other pipelines need not do for these constants or this partner.
+        if (reloaded.empty()) throw;
+        log::error("reloaded shaders are given up for those built in: {}", error.what());
+        for (const std::string& name : reloaded) set_shader(name, {});
+        remake(reloaded);
+        pending_.insert(reloaded.begin(), reloaded.end());
+        make(key);
+    }
+    if (!unseen.empty()) take_up(unseen);
+    return *now_.pipelines.at(key);
+}
+
+const Pipeline& Pipelines::make(const Key& key) {
+    const auto* const compute = std::get_if<ComputeKey>(&key);
+    pipelines_.push_back(compute ? make_compute(*compute) : make_raster(std::get<RasterKey>(key)));
+    const Pipeline& pipeline = pipelines_.back();
+    set_name(device_, VK_OBJECT_TYPE_PIPELINE, pipeline.handle, pipeline.shaders);
+    now_.pipelines[key] = &pipeline;
+    return pipeline;
+}
+
+const Pipelines::Shader& Pipelines::shader(const std::string& name) {
+    const auto found = now_.shaders.find(name);
+    if (found != now_.shaders.end()) return found->second;
+    return now_.shaders.emplace(name, Shader{reflect(name, find_shader(name)), {}}).first->second;
 }
 
 const PipelineLayout& Pipelines::layout(const Shaders& shaders) {
-    const auto found = layouts_.find(shaders);
-    if (found != layouts_.end()) return *found->second;
-    auto layout = std::make_unique<PipelineLayout>();
-    std::uint32_t set_count = 0;
-    for (const std::string& shader : shaders) {
-        const Reflection& reflected = reflection(shader);
-        if (reflected.push_bytes > 0) {
-            layout->push_bytes = std::max(layout->push_bytes, reflected.push_bytes);
-            layout->push_stages |= reflected.stage;
-        }
-        for (const ShaderBinding& binding : reflected.bindings) {
-            set_count = std::max(set_count, binding.set + 1);
-            const auto slot = std::ranges::find_if(layout->slots, [&](const auto& other) {
-                return other.binding.set == binding.set && other.binding.binding == binding.binding;
-            });
-            if (slot == layout->slots.end()) {
-                layout->slots.push_back({binding, shader, VkShaderStageFlags(reflected.stage)});
-                continue;
-            }
-            if (slot->binding.name != binding.name || slot->binding.type != binding.type) {
-                fail_input(
-                    "shaders '{}' and '{}' disagree about set {}, binding {}: '{}' and '{}'; "
-                    "give one of them another number",
-                    slot->shader, shader, binding.set, binding.binding, slot->binding.name,
-                    binding.name);
-            }
-            slot->binding.reads |= binding.reads;
-            slot->binding.writes |= binding.writes;
-            slot->stages |= reflected.stage;
+    const auto found = now_.layouts.find(shaders);
+    if (found != now_.layouts.end()) return *found->second;
+    std::vector<const Reflection*> reflections;
+    bool reloaded = false;
+    for (const std::string& name : shaders) {
+        const Shader& used = shader(name);
+        reflections.push_back(&used.reflection);
+        reloaded |= !used.reloaded.empty();
+    }
+    PipelineLayout layout = merge(reflections);
+    if (reloaded) {
+        std::vector<Reflection> embedded;
+        for (const std::string& name : shaders)
+            embedded.push_back(reflect(name, find_shader(name)));
+        for (std::size_t i = 0; i < embedded.size(); ++i) reflections[i] = &embedded[i];
+        const PipelineLayout known = merge(reflections);
+        expect_fits(layout, known);
+        if (layout.push_bytes != known.push_bytes) {
+            fail_input("'{}' takes {} bytes of push constants, but {} as built in; rebuild the "
+                       "program",
+                fmt::join(shaders, " + "), layout.push_bytes, known.push_bytes);
         }
     }
-    std::ranges::sort(layout->slots, {}, [](const PipelineLayout::Slot& slot) {
-        return std::pair(slot.binding.set, slot.binding.binding);
-    });
-    const auto in_set_0 = std::ranges::count_if(
-        layout->slots, [](const auto& slot) { return slot.binding.set == 0; });
-    layout->pushes_set_0 =
+    layouts_.push_back(std::move(layout));
+    create_layout(layouts_.back(), shaders);
+    return *now_.layouts.emplace(shaders, &layouts_.back()).first->second;
+}
+
+void Pipelines::create_layout(PipelineLayout& layout, const Shaders& shaders) {
+    const auto in_set_0 =
+        std::ranges::count_if(layout.slots, [](const auto& slot) { return slot.binding.set == 0; });
+    layout.pushes_set_0 =
         device_.pushes_descriptors() && in_set_0 > 0 &&
         in_set_0 <= static_cast<std::ptrdiff_t>(device_.limits().push_descriptors);
 
+    const std::uint32_t set_count =
+        layout.slots.empty() ? 0 : layout.slots.back().binding.set + 1; // sorted by set
     for (std::uint32_t set = 0; set < set_count; ++set) {
         std::vector<VkDescriptorSetLayoutBinding> rows;
-        for (const PipelineLayout::Slot& slot : layout->slots) {
+        for (const PipelineLayout::Slot& slot : layout.slots) {
             if (slot.binding.set != set) continue;
             rows.push_back({.binding = slot.binding.binding,
                 .descriptorType = slot.binding.type,
                 .descriptorCount = 1,
                 .stageFlags = slot.stages});
         }
-        const bool pushed = set == 0 && layout->pushes_set_0;
+        const bool pushed = set == 0 && layout.pushes_set_0;
         const VkDescriptorSetLayoutCreateInfo info{
             .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
             .flags =
@@ -201,43 +312,37 @@ const PipelineLayout& Pipelines::layout(const Shaders& shaders) {
         VkDescriptorSetLayout handle = VK_NULL_HANDLE;
         expect(vkCreateDescriptorSetLayout(device_.handle(), &info, nullptr, &handle),
             fmt::format("creating the descriptor layout of '{}'", fmt::join(shaders, " + ")));
-        layout->sets.push_back(handle);
+        layout.sets.push_back(handle);
     }
     const VkPushConstantRange push{
-        .stageFlags = layout->push_stages, .offset = 0, .size = (layout->push_bytes + 3) / 4 * 4};
+        .stageFlags = layout.push_stages, .offset = 0, .size = (layout.push_bytes + 3) / 4 * 4};
     const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-        .setLayoutCount = static_cast<std::uint32_t>(layout->sets.size()),
-        .pSetLayouts = layout->sets.data(),
-        .pushConstantRangeCount = layout->push_bytes > 0 ? 1u : 0u,
+        .setLayoutCount = static_cast<std::uint32_t>(layout.sets.size()),
+        .pSetLayouts = layout.sets.data(),
+        .pushConstantRangeCount = layout.push_bytes > 0 ? 1u : 0u,
         .pPushConstantRanges = &push};
-    expect(vkCreatePipelineLayout(device_.handle(), &info, nullptr, &layout->handle),
+    expect(vkCreatePipelineLayout(device_.handle(), &info, nullptr, &layout.handle),
         fmt::format("creating the pipeline layout of '{}'", fmt::join(shaders, " + ")));
-    return *layouts_.emplace(shaders, std::move(layout)).first->second;
 }
 
-const Pipeline& Pipelines::compute(std::string_view shader, const Specialization& specialization) {
-    const std::lock_guard lock(mutex_);
-    auto key = std::pair(std::string(shader), specialization);
-    const auto found = compute_.find(key);
-    if (found != compute_.end()) return found->second;
-
-    const std::string& name = key.first;
-    const Reflection& reflected = reflection(name);
+Pipeline Pipelines::make_compute(const ComputeKey& key) {
+    const auto& [name, specialization] = key;
+    const Shader& used = shader(name);
+    const Reflection& reflected = used.reflection;
     expect_stage(reflected, VK_SHADER_STAGE_COMPUTE_BIT);
     const Reflection* const shaders[] = {&reflected};
     check_constants(specialization, shaders);
     Pipeline pipeline{.shaders = name, .local_size = reflected.local_size(specialization)};
     check_group(reflected, pipeline.local_size);
     pipeline.layout = &layout({name});
-    const Module module(device_, name);
+    const Module module(device_, name, used.words());
     const SpecializationTable table(specialization);
     const VkComputePipelineCreateInfo info{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
         .stage = stage_info(VK_SHADER_STAGE_COMPUTE_BIT, module, table),
         .layout = pipeline.layout->handle};
     expect(vkCreateComputePipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle),
         fmt::format("creating the pipeline of shader '{}'", name));
-    set_name(device_, VK_OBJECT_TYPE_PIPELINE, pipeline.handle, name);
-    return compute_.emplace(std::move(key), std::move(pipeline)).first->second;
+    return pipeline;
 }
 
 VkRenderPass Pipelines::render_pass(const std::vector<Attachment>& attachments) {
@@ -284,22 +389,15 @@ VkRenderPass Pipelines::render_pass_locked(const std::vector<Attachment>& attach
     return pass;
 }
 
-const Pipeline& Pipelines::raster(
-    const RasterState& state, const std::vector<Attachment>& attachments) {
-    const std::lock_guard lock(mutex_);
-    auto key = std::pair(state, attachments);
-    const auto found = raster_.find(key);
-    if (found != raster_.end()) return found->second;
-
-    const Reflection& vertex = reflection(state.vertex_shader);
-    expect_stage(vertex, VK_SHADER_STAGE_VERTEX_BIT);
-    Shaders shaders{state.vertex_shader};
-    std::vector<const Reflection*> reflections{&vertex};
-    if (!state.fragment_shader.empty()) {
-        const Reflection& fragment = reflection(state.fragment_shader);
-        expect_stage(fragment, VK_SHADER_STAGE_FRAGMENT_BIT);
-        shaders.push_back(state.fragment_shader);
-        reflections.push_back(&fragment);
+Pipeline Pipelines::make_raster(const RasterKey& key) {
+    const auto& [state, attachments] = key;
+    const Shaders shaders = shaders_of(key);
+    constexpr VkShaderStageFlagBits kStages[] = {
+        VK_SHADER_STAGE_VERTEX_BIT, VK_SHADER_STAGE_FRAGMENT_BIT};
+    std::vector<const Reflection*> reflections;
+    for (std::size_t i = 0; i < shaders.size(); ++i) {
+        reflections.push_back(&shader(shaders[i]).reflection);
+        expect_stage(*reflections[i], kStages[i]);
     }
     check_constants(state.specialization, reflections);
     Pipeline pipeline{
@@ -309,8 +407,9 @@ const Pipeline& Pipelines::raster(
     std::vector<VkPipelineShaderStageCreateInfo> stages;
     const SpecializationTable table(state.specialization);
     for (std::size_t i = 0; i < shaders.size(); ++i) {
-        modules.push_back(std::make_unique<Module>(device_, shaders[i]));
-        stages.push_back(stage_info(reflections[i]->stage, *modules.back(), table));
+        modules.push_back(
+            std::make_unique<Module>(device_, shaders[i], shader(shaders[i]).words()));
+        stages.push_back(stage_info(kStages[i], *modules.back(), table));
     }
     const VkPipelineVertexInputStateCreateInfo no_vertices{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
@@ -362,8 +461,67 @@ const Pipeline& Pipelines::raster(
         .renderPass = render_pass_locked(attachments)};
     expect(vkCreateGraphicsPipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle),
         fmt::format("creating the pipeline of shaders '{}'", pipeline.shaders));
-    set_name(device_, VK_OBJECT_TYPE_PIPELINE, pipeline.handle, pipeline.shaders);
-    return raster_.emplace(std::move(key), std::move(pipeline)).first->second;
+    return pipeline;
+}
+
+void Pipelines::reload_from(std::unique_ptr<ShaderSource> source) {
+    const std::lock_guard lock(mutex_);
+    source_ = std::move(source);
+    std::set<std::string> names;
+    for (const auto& [name, used] : now_.shaders) names.insert(name);
+    if (!names.empty()) take_up(names);
+}
+
+void Pipelines::reload() {
+    const std::lock_guard lock(mutex_);
+    if (!source_) return;
+    const std::vector<std::string> names = source_->changed();
+    if (!names.empty()) take_up({names.begin(), names.end()});
+}
+
+/// Empty words: the embedded ones. False if that is what the name stands for already.
+bool Pipelines::set_shader(const std::string& name, std::vector<std::uint32_t> words) {
+    const std::span<const std::uint32_t> embedded = find_shader(name);
+    if (std::ranges::equal(words, embedded)) words.clear();
+    Shader& current = now_.shaders.at(name);
+    if (current.reloaded == words) return false;
+    current.reflection = reflect(name, words.empty() ? embedded : words);
+    current.reloaded = std::move(words);
+    return true;
+}
+
+/// Makes anew what consists of these shaders.
+void Pipelines::remake(const std::set<std::string>& changed) {
+    const auto is_changed = [&](const std::string& name) { return changed.contains(name); };
+    std::erase_if(
+        now_.layouts, [&](const auto& row) { return std::ranges::any_of(row.first, is_changed); });
+    std::vector<Key> keys;
+    for (const auto& [key, pipeline] : now_.pipelines) {
+        if (std::ranges::any_of(shaders_of(key), is_changed)) keys.push_back(key);
+    }
+    for (const Key& key : keys) make(key);
+}
+
+/// Asks the source for these shaders, and for those that an earlier failure left out: they may
+/// belong together. All or nothing; errors are logged.
+void Pipelines::take_up(const std::set<std::string>& names) {
+    const bool failed_before = !pending_.empty();
+    pending_.insert(names.begin(), names.end());
+    Tables before = now_;
+    try {
+        std::set<std::string> changed;
+        for (const std::string& name : pending_) {
+            if (set_shader(name, source_->load(name))) changed.insert(name);
+        }
+        remake(changed);
+        if (failed_before || !changed.empty()) {
+            log::info("reloaded shaders: {}", fmt::join(failed_before ? pending_ : changed, ", "));
+        }
+        pending_.clear();
+    } catch (const std::exception& error) {
+        now_ = std::move(before);
+        log::error("shaders are not reloaded, those in use stay: {}", error.what());
+    }
 }
 
 void Pipelines::load_cache(const std::filesystem::path& folder) {

@@ -34,11 +34,15 @@ ShaderRegistration::ShaderRegistration(std::span<const EmbeddedShader> table) {
 std::span<const std::uint32_t> find_shader(std::string_view name) {
     const auto found = registry().find(name);
     if (found != registry().end()) return found->second;
-    std::vector<std::string_view> names;
-    for (const auto& [known, words] : registry()) names.push_back(known);
     fail_input("no shader '{}' is built in; add it with ockham_add_shaders() and link that target. "
                "Built in are: {}",
-        name, fmt::join(names, ", "));
+        name, fmt::join(shader_names(), ", "));
+}
+
+std::vector<std::string_view> shader_names() {
+    std::vector<std::string_view> names;
+    for (const auto& [name, words] : registry()) names.push_back(name);
+    return names;
 }
 
 namespace {

@@ -38,6 +38,20 @@ struct ShaderRegistration {
 /// SPIR-V of "surface/metrics.comp" or, for variants, "surface/gbuffer.frag:masked". Throws
 /// Error(input) with the names that exist.
 std::span<const std::uint32_t> find_shader(std::string_view name);
+/// All names that find_shader() knows, sorted.
+std::vector<std::string_view> shader_names();
+
+/// Shaders that stand in for embedded ones while the program runs; Pipelines asks, one thread at a
+/// time. shader_folder.hpp has the one there is.
+class ShaderSource {
+public:
+    virtual ~ShaderSource() = default;
+    /// SPIR-V in place of the embedded shader `name`; empty: the embedded one. Throws Error(input)
+    /// where there is something that cannot be compiled.
+    virtual std::vector<std::uint32_t> load(const std::string& name) = 0;
+    /// Names given to load() for which it may have another answer now than it had last.
+    virtual std::vector<std::string> changed() = 0;
+};
 
 /// One resource of a shader that its code uses.
 struct ShaderBinding {

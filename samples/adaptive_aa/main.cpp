@@ -191,6 +191,7 @@ int render(int argc, char** argv) {
     const Timer wall;
     Scene scene = load_scenes(o.scene, o.common);
     gpu::Device device(device_options(o.common));
+    watch_shaders(device, o.common);
     log::info("{} ({})", device.info().name, device.info().driver_version);
     const LitScene lit(device, std::move(scene));
     const Camera camera = choose_camera(o.common, lit.scene(), lit.gpu().bounds());
@@ -208,6 +209,7 @@ int render(int argc, char** argv) {
     Progress progress("frame", static_cast<std::size_t>(o.common.frames), o.common.quiet);
     for (int frame = 0; frame < o.common.frames; ++frame) {
         if (interrupted()) return 130;
+        reload_shaders(device);
         aa.execute();
         times.add(aa.executor().times());
         progress.update(static_cast<std::size_t>(frame) + 1);

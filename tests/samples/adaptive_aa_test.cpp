@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <set>
 
@@ -184,6 +185,89 @@ TEST_F(AdaptiveAaProgram, bad_input_is_one_error_with_exit_code_2) {
     expect_error("builtin:sky --camera '0,0,0 0,0,0 60'", 2, {"--camera"});
     expect_error("builtin:sky --environment blue", 2, {"--environment", "blue"});
     expect_error("builtin:wires --width 16000 --height 4 --m 4", 2, {"64000", "16"});
+}
+
+/// Puts `to` in place of the first `from` in a file; its line, as compilers name it.
+std::string replace_in(const fs::path& file, const std::string& from, const std::string& to) {
+    std::string text = read_text(file);
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << file << ": " << from;
+    if (at == std::string::npos) return "";
+    write_text(file, text.replace(at, from.size(), to));
+    const auto line = 1 + std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n');
+    return file.filename().string() + ":" + std::to_string(line);
+}
+
+const std::string kStore = "imageStore(radiance, pixel, mean);"; // of surface/resolve.comp
+
+TEST_F(AdaptiveAaProgram, shader_dir_stands_in_for_built_in_shaders) {
+    const std::string common = "builtin:wires --m 2 --width 17 --height 9 --validation core ";
+    const auto picture = [&](const std::string& flags) {
+        const Result result = run(common + flags + " -o out.exr");
+        EXPECT_EQ(result.exit_code, 0) << result.text;
+        return std::pair(load_image(folder / "out.exr"), result.text);
+    };
+    const auto equal = [](const Image& a, const Image& b) {
+        for (int c = 0; c < 4; ++c) {
+            if (!std::ranges::equal(a.plane(c), b.plane(c))) return false;
+        }
+        return true;
+    };
+    const auto [built_in, no_text] = picture("");
+    fs::copy(OCKHAM_SHADERS, folder / "glsl", fs::copy_options::recursive);
+    const auto [same, same_text] = picture("--shader-dir glsl");
+    EXPECT_TRUE(equal(same, built_in));
+    EXPECT_EQ(same_text.find("reloaded"), std::string::npos) << same_text;
+
+    const fs::path resolve = folder / "glsl/surface/resolve.comp";
+    replace_in(resolve, kStore, "imageStore(radiance, pixel, vec4(0.25, 0.5, 2.0, 1.0));");
+    const auto [constant, constant_text] = picture("--shader-dir glsl");
+    EXPECT_NE(constant_text.find("reloaded shaders: surface/resolve.comp\n"), std::string::npos)
+        << constant_text;
+    const float expected[] = {0.25f, 0.5f, 2.0f, 1.0f};
+    for (int c = 0; c < 4; ++c) {
+        const auto plane = constant.plane(c);
+        EXPECT_EQ(std::ranges::count(plane, expected[c]), 17 * 9) << c;
+    }
+
+    const std::string line = replace_in(resolve, "imageStore(", "nothing(");
+    const auto [broken, broken_text] = picture("--shader-dir glsl");
+    EXPECT_TRUE(equal(broken, built_in));
+    EXPECT_NE(broken_text.find("\nglsl/surface/" + line + ": 'nothing'"), std::string::npos)
+        << broken_text;
+
+    expect_error(common + "--shader-dir missing -o none.exr", 2, {"'missing'", "no such folder"});
+    expect_error(common + "--shader-dir out.exr -o none.exr", 2, {"'out.exr'", "no folder"});
+}
+
+TEST_F(AdaptiveAaProgram, shader_dir_is_watched_between_frames) {
+    fs::copy(OCKHAM_SHADERS, folder / "glsl", fs::copy_options::recursive);
+    const fs::path resolve = folder / "glsl/surface/resolve.comp";
+    const std::string line = replace_in(resolve, kStore, "nothing;");
+    const std::string command = "cd '" + folder.string() +
+                                "' && echo $$ && exec '" OCKHAM_BIN
+                                "/adaptive_aa' builtin:sky --m 2 --width 8 --height 8 "
+                                "--frames 1000000 --shader-dir glsl 2>&1";
+    FILE* const pipe = ::popen(command.c_str(), "r");
+    ASSERT_NE(pipe, nullptr);
+    char buffer[4096];
+    ASSERT_NE(std::fgets(buffer, sizeof buffer, pipe), nullptr);
+    const pid_t program = std::stoi(buffer);
+    std::string text;
+    const auto wait_for = [&](const std::string& part) {
+        while (text.find(part) == std::string::npos) {
+            if (std::fgets(buffer, sizeof buffer, pipe) == nullptr) return false;
+            text += buffer;
+        }
+        return true;
+    };
+    // Broken at first, mended while it runs: no frame waits for the test, nor the test for a clock.
+    EXPECT_TRUE(wait_for(line + ": 'nothing'")) << text;
+    replace_in(resolve, "nothing;", kStore);
+    EXPECT_TRUE(wait_for("reloaded shaders: surface/resolve.comp")) << text;
+    ::kill(program, SIGINT);
+    const int status = ::pclose(pipe);
+    EXPECT_EQ(WIFEXITED(status) ? WEXITSTATUS(status) : -1, 130) << text;
 }
 
 TEST_F(AdaptiveAaProgram, wrong_size_of_reference_is_refused) {

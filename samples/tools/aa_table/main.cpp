@@ -184,6 +184,7 @@ int run(int argc, char** argv) {
     }
     Scene scene = load_scenes(o.scene, o.common);
     gpu::Device device(device_options(o.common));
+    watch_shaders(device, o.common);
     const LitScene lit(device, std::move(scene));
     const Camera camera = choose_camera(o.common, lit.scene(), lit.gpu().bounds());
     TableMaker table(device, lit, camera, o);

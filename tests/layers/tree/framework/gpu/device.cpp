@@ -2,6 +2,7 @@
 #include "framework/core/error.hpp"
 #include "framework/runtime/executor.hpp" // wrong
 
+#include <glslang/Public/ShaderLang.h> // wrong
 #include <spirv_cross/spirv_cross_c.h>
 #include <vulkan/vulkan.h>
 
