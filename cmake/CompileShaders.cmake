@@ -7,17 +7,16 @@
 # Whoever links <target> has the shaders: no call needed. Includes are searched in ROOT, then in the
 # project's shaders/; a change of an included file recompiles what includes it. Errors read
 # `ERROR: file:line: text` and stop the build.
-find_program(OCKHAM_GLSLANG glslangValidator)
-if(NOT OCKHAM_GLSLANG)
-  message(FATAL_ERROR "glslangValidator was not found: install the package glslang-tools")
-endif()
-
 function(ockham_add_shaders target)
   cmake_parse_arguments(arg "" "ROOT" "FILES" ${ARGN})
   if(arg_UNPARSED_ARGUMENTS OR NOT arg_FILES)
     message(FATAL_ERROR "ockham_add_shaders(${target}): expected [ROOT folder] FILES name...")
   endif()
-  get_filename_component(shaders ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../shaders ABSOLUTE)
+  find_program(OCKHAM_GLSLANG glslangValidator)
+  if(NOT OCKHAM_GLSLANG)
+    message(FATAL_ERROR "glslangValidator was not found: install the package glslang-tools")
+  endif()
+  get_property(shaders GLOBAL PROPERTY OCKHAM_SHADERS_DIR) # of the tree, or as installed
   if(NOT arg_ROOT)
     set(arg_ROOT ${shaders})
   endif()
@@ -67,8 +66,9 @@ extern const int ockham_shaders_@target@;
 const int ockham_shaders_@target@ = 1;
 }
 ]])
-  ockham_library(${target} ${folder}/registry.cpp ${headers})
+  add_library(${target} STATIC ${folder}/registry.cpp ${headers})
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PRIVATE ${folder})
-  target_link_libraries(${target} PUBLIC ockham_gpu)
+  target_link_libraries(${target} PUBLIC Ockham::gpu)
   target_link_options(${target} INTERFACE "LINKER:--undefined=ockham_shaders_${target}")
 endfunction()
