@@ -24,6 +24,7 @@ struct Capabilities {
     std::uint64_t buffer_image_granularity = 1;
     std::uint64_t max_buffer_bytes = std::uint64_t{1} << 32;
     std::uint32_t max_image_extent = 16384;
+    std::uint32_t max_image_layers = 2048;
 };
 
 /// In which order passes run, among those that their data allow.

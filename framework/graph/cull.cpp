@@ -2,17 +2,12 @@
 #include "framework/graph/phases.hpp"
 
 #include <algorithm>
-#include <span>
 
 namespace ockham {
 
 namespace {
 
-std::span<const Use> uses_of(const Declaration& declaration, const PassDecl& pass) {
-    return {declaration.uses.data() + pass.first_use, pass.use_count};
-}
-
-/// Seen from one point of the program order: what comes of the content of a resource afterwards.
+/// Seen from one point of the program order: what comes of the content of a piece afterwards.
 struct Demand {
     bool needed = false;
     PassId by = kNone;             ///< the next pass that reads it; kNone: whoever comes after
@@ -20,7 +15,10 @@ struct Demand {
     PassId culled_reader = kNone;  ///< the next pass that would read it, but is culled
 };
 
-/// Why a write to `resource` that somebody needs is needed.
+/// Content that a later execution finds under another age.
+constexpr std::uint8_t kFed = 2;
+
+/// Why a write that somebody needs is needed.
 Verdict kept_for(const Demand& demand, ResourceId id, const ResourceDecl& resource) {
     using enum Verdict::Cause;
     const Verdict::Cause cause = demand.by != kNone                        ? read
@@ -30,7 +28,7 @@ Verdict kept_for(const Demand& demand, ResourceId id, const ResourceDecl& resour
     return {false, cause, demand.by, kNone, id};
 }
 
-/// Why a culled pass's write to `resource` is worth nothing.
+/// Why a write that nobody needs is worth nothing.
 Verdict culled_for(const Demand& demand, ResourceId id) {
     using enum Verdict::Cause;
     if (demand.culled_reader != kNone) return {true, unread_too, demand.culled_reader, kNone, id};
@@ -39,74 +37,137 @@ Verdict culled_for(const Demand& demand, ResourceId id) {
     return {true, unread, kNone, kNone, id};
 }
 
-Verdict judge(
-    const Declaration& declaration, const PassDecl& pass, const std::vector<Demand>& demands) {
-    Verdict verdict{true, Verdict::Cause::writes_nothing, kNone, kNone, kNone};
-    for (const Use& use : uses_of(declaration, pass)) {
-        if (!writes(use.access)) continue;
-        const Demand& demand = demands[use.resource];
-        if (demand.needed)
-            return kept_for(demand, use.resource, declaration.resources[use.resource]);
-        if (verdict.resource == kNone) verdict = culled_for(demand, use.resource);
-    }
-    if (!pass.side_effect.empty()) return {false, Verdict::Cause::side_effect, kNone, kNone, kNone};
-    return verdict;
-}
+/// Walks the passes backwards, from what the outside needs to what makes it.
+class Culler {
+public:
+    Culler(const Declaration& declaration, const Pieces& pieces, Plan& plan)
+        : declaration_(declaration), pieces_(pieces), plan_(plan),
+          kept_content_(declaration.resources.size(), 0) {}
 
-/// Steps back over a pass: demands after it become demands before it.
-void step_back(
-    const Declaration& declaration, PassId id, bool culled, std::vector<Demand>& demands) {
-    for (const Use& use : uses_of(declaration, declaration.passes[id])) {
-        Demand& demand = demands[use.resource];
-        if (culled) {
-            if (needs_content(use)) demand.culled_reader = id;
-        } else if (needs_content(use)) {
-            demand = {true, id, kNone, kNone};
-        } else if (replaces_content(use)) {
-            demand = {false, kNone, id, kNone};
+    void run() {
+        bool has_rings = false;
+        for (ResourceId id = 0; id < kept_content_.size(); ++id) {
+            const ResourceDecl& resource = declaration_.resources[id];
+            has_rings |= resource.history_depth != 0;
+            kept_content_[id] = resource.exported || (resource.lifetime != Lifetime::transient &&
+                                                         resource.history_depth == 0);
+        }
+        do walk();
+        while (has_rings && feed_rings());
+        collect_steps();
+        judge_resources();
+    }
+
+private:
+    void walk() {
+        demands_.assign(pieces_.count(), {});
+        for (PieceId piece = 0; piece < pieces_.count(); ++piece)
+            demands_[piece].needed = kept_content_[pieces_.resource_of(piece)] != 0;
+        plan_.passes.resize(declaration_.passes.size());
+        for (auto id = static_cast<PassId>(declaration_.passes.size()); id-- > 0;) {
+            plan_.passes[id] = judge(id);
+            step_back(id);
         }
     }
-}
 
-struct Users {
-    PassId first = kNone, last = kNone;
+    Verdict judge(PassId id) const {
+        Verdict verdict{true, Verdict::Cause::writes_nothing, kNone, kNone, kNone};
+        for (const Use& use : declaration_.uses_of(id)) {
+            if (!writes(use.access)) continue;
+            const Demand* wanted = nullptr;
+            const Demand* unwanted = nullptr;
+            pieces_.each(use, [&](PieceId piece) {
+                const Demand*& found = demands_[piece].needed ? wanted : unwanted;
+                if (!found) found = &demands_[piece];
+            });
+            if (wanted)
+                return kept_for(*wanted, use.resource, declaration_.resources[use.resource]);
+            if (verdict.resource == kNone) verdict = culled_for(*unwanted, use.resource);
+        }
+        if (!declaration_.passes[id].side_effect.empty())
+            return {false, Verdict::Cause::side_effect, kNone, kNone, kNone};
+        return verdict;
+    }
+
+    /// Steps back over a pass: demands after it become demands before it. What it replaces first,
+    /// then what it needs: it may do both to pieces of one resource. A guarded pass may not happen,
+    /// so it replaces nothing.
+    void step_back(PassId id) {
+        const bool culled = plan_.passes[id].culled;
+        const bool guarded = declaration_.passes[id].guard != kNone;
+        if (!culled && !guarded)
+            for (const Use& use : declaration_.uses_of(id))
+                if (replaces_content(use))
+                    pieces_.each(use, [&](PieceId piece) {
+                        demands_[piece] = {false, kNone, id, kNone};
+                    });
+        for (const Use& use : declaration_.uses_of(id)) {
+            if (!needs_content(use)) continue;
+            pieces_.each(use, [&](PieceId piece) {
+                if (culled)
+                    demands_[piece].culled_reader = id;
+                else
+                    demands_[piece] = {true, id, kNone, kNone};
+            });
+        }
+    }
+
+    /// An age whose content an execution needs must have been kept as the age before it by the
+    /// execution before. Least fixpoint: a ring that feeds only itself is dead. True if that adds
+    /// anything.
+    bool feed_rings() {
+        bool added = false;
+        for (PieceId piece = 0; piece < pieces_.count(); ++piece) {
+            const ResourceId id = pieces_.resource_of(piece);
+            const ResourceDecl& resource = declaration_.resources[id];
+            if (resource.history_depth == 0 || !demands_[piece].needed) continue;
+            const ResourceId before =
+                resource.history_age == 0 ? id + resource.history_depth : id - 1;
+            added |= kept_content_[before] != kFed;
+            kept_content_[before] = kFed;
+        }
+        return added;
+    }
+
+    void collect_steps() {
+        plan_.steps.reserve(plan_.passes.size());
+        plan_.resources.assign(
+            declaration_.resources.size(), {true, Verdict::Cause::unused, kNone, kNone, kNone});
+        for (PassId id = 0; id < plan_.passes.size(); ++id) {
+            if (plan_.passes[id].culled) continue;
+            plan_.steps.push_back({.pass = id});
+            for (const Use& use : declaration_.uses_of(id)) {
+                Verdict& verdict = plan_.resources[use.resource];
+                if (verdict.culled) verdict = {false, Verdict::Cause::used, id, id, kNone};
+                verdict.last_pass = id;
+            }
+        }
+    }
+
+    /// A ring turns as a whole: where one of its older contents is wanted, all ages are there.
+    void judge_resources() {
+        for (ResourceId id = 0; id < plan_.resources.size(); ++id) {
+            const ResourceDecl& resource = declaration_.resources[id];
+            if (resource.history_depth == 0 || !plan_.resources[id].culled) continue;
+            const ResourceId first = id - resource.history_age;
+            const auto begin = kept_content_.begin() + first;
+            const bool turns = std::any_of(begin, begin + resource.history_depth + 1,
+                [](std::uint8_t kept) { return kept == kFed; });
+            if (turns) plan_.resources[id] = {false, Verdict::Cause::ring, kNone, kNone, kNone};
+        }
+    }
+
+    const Declaration& declaration_;
+    const Pieces& pieces_;
+    Plan& plan_;
+    std::vector<Demand> demands_;            ///< per piece
+    std::vector<std::uint8_t> kept_content_; ///< per resource: wanted after the execution, or kFed
 };
-
-Verdict judge(Users users) {
-    if (users.first == kNone) return {true, Verdict::Cause::unused, kNone, kNone, kNone};
-    return {false, Verdict::Cause::used, users.first, users.last, kNone};
-}
 
 } // namespace
 
-void cull(const Declaration& declaration, const Pieces&, Plan& plan) {
-    const std::size_t pass_count = declaration.passes.size();
-    std::vector<Demand> demands(declaration.resources.size());
-    for (std::size_t i = 0; i < demands.size(); ++i) {
-        const ResourceDecl& resource = declaration.resources[i];
-        demands[i].needed = resource.exported || resource.lifetime != Lifetime::transient;
-    }
-    plan.passes.resize(pass_count);
-    std::size_t live = 0;
-    for (auto id = static_cast<PassId>(pass_count); id-- > 0;) {
-        plan.passes[id] = judge(declaration, declaration.passes[id], demands);
-        step_back(declaration, id, plan.passes[id].culled, demands);
-        live += !plan.passes[id].culled;
-    }
-
-    plan.steps.reserve(live);
-    std::vector<Users> users(declaration.resources.size());
-    for (PassId id = 0; id < pass_count; ++id) {
-        if (plan.passes[id].culled) continue;
-        plan.steps.push_back({.pass = id});
-        for (const Use& use : uses_of(declaration, declaration.passes[id])) {
-            Users& user = users[use.resource];
-            if (user.first == kNone) user.first = id;
-            user.last = id;
-        }
-    }
-    plan.resources.reserve(users.size());
-    for (const Users& user : users) plan.resources.push_back(judge(user));
+void cull(const Declaration& declaration, const Pieces& pieces, Plan& plan) {
+    Culler(declaration, pieces, plan).run();
 }
 
 } // namespace ockham

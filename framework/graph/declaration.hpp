@@ -31,6 +31,8 @@ enum class Lifetime : std::uint8_t {
 
 struct BufferDesc {
     std::uint64_t bytes = 0; ///< >= 1
+
+    bool operator==(const BufferDesc&) const = default;
 };
 
 struct ImageDesc {
@@ -40,6 +42,8 @@ struct ImageDesc {
     std::uint32_t depth = 1;  ///< > 1: a 3D image
     std::uint32_t layers = 1; ///< > 1: an array
     std::uint32_t mips = 1;
+
+    bool operator==(const ImageDesc&) const = default;
 };
 
 /// A part of a buffer in bytes, or of an image in mips and layers. `kRest`: up to the end.

@@ -24,6 +24,10 @@ inline const char* name_of(PassKind kind) {
     constexpr std::array<const char*, 3> names{"compute", "raster", "transfer"};
     return names[static_cast<std::size_t>(kind)];
 }
+inline const char* name_of(QueueWish queue) {
+    constexpr std::array<const char*, 3> names{"main", "async compute", "transfer"};
+    return names[static_cast<std::size_t>(queue)];
+}
 
 /// "frame.cpp:41": the file without its folders.
 inline std::string place_of(const std::source_location& where) {
@@ -33,6 +37,10 @@ inline std::string place_of(const std::source_location& where) {
 /// "pass 'blur' (frame.cpp:41)"
 inline std::string describe(const PassDecl& pass) {
     return fmt::format("pass '{}' ({})", pass.name, place_of(pass.where));
+}
+/// "condition 'has_media' (frame.cpp:9)"
+inline std::string describe(const ConditionDecl& condition) {
+    return fmt::format("condition '{}' ({})", condition.name, place_of(condition.where));
 }
 /// "transient image 'color' (frame.cpp:12)"
 inline std::string describe(const ResourceDecl& resource) {

@@ -159,5 +159,91 @@ TEST(Cull, UnusedResourcesTakeNoMemory) {
     EXPECT_TRUE(plan.resources[0].culled);
 }
 
+/// Replacing one mip leaves the writer of the others alive.
+TEST(Cull, PartsAreJudgedOneByOne) {
+    Graph graph("g");
+    ImageHandle a = graph.create_image("a", {VK_FORMAT_R8_UNORM, 8, 8, 1, 1, 2});
+    auto both = graph.add_compute_pass("both");
+    a = both.write("a", a);
+    auto top = graph.add_compute_pass("top");
+    a = top.write("a", a.mip(0));
+    auto low = graph.add_compute_pass("low");
+    a = low.write("a", a.mip(1));
+    graph.export_resource(a, "the picture");
+    const Plan plan = compile(graph.declaration());
+    EXPECT_EQ(order_line(graph.declaration(), plan), "top low");
+    EXPECT_EQ(verdict(graph, plan, "top"), "kept: exported 'a' needs it (the picture)");
+
+    Graph second("g");
+    a = second.create_image("a", {VK_FORMAT_R8_UNORM, 8, 8, 1, 1, 2});
+    auto all = second.add_compute_pass("both");
+    a = all.write("a", a);
+    auto one = second.add_compute_pass("top");
+    a = one.write("a", a.mip(0));
+    second.export_resource(a, "the picture");
+    EXPECT_EQ(order_line(second.declaration(), compile(second.declaration())), "both top");
+}
+
+/// A pass that may not run replaces nothing.
+TEST(Cull, GuardedWritesKeepWhatTheyMightReplace) {
+    Graph graph("g");
+    BufferHandle a = graph.create_buffer("a", {4});
+    auto first = graph.add_compute_pass("first");
+    a = first.write("a", a);
+    {
+        const auto guard = graph.when(graph.add_condition("again"));
+        auto second = graph.add_compute_pass("second");
+        a = second.write("a", a);
+    }
+    graph.export_resource(a, "the result");
+    EXPECT_EQ(order_line(graph.declaration(), compile(graph.declaration())), "first second");
+}
+
+TEST(Cull, HistoriesLiveWhereAnOlderContentIsRead) {
+    const auto make = [](std::uint32_t age, bool exported) {
+        Graph graph("g");
+        auto history = graph.create_history_buffer("h", {4}, 2);
+        auto pass = graph.add_compute_pass("next");
+        if (age) pass.read("old", history.previous[age - 1]);
+        history.now = pass.write("new", history.now);
+        auto look = graph.add_compute_pass("look");
+        look.read("h", history.now);
+        BufferHandle out = look.write("out", graph.create_buffer("out", {4}));
+        if (exported) graph.export_resource(out, "the result");
+        return graph;
+    };
+    Graph graph = make(2, true);
+    Plan plan = compile(graph.declaration());
+    EXPECT_EQ(order_line(graph.declaration(), plan), "next look");
+    EXPECT_EQ(verdict(graph, plan, "h@-2"), "kept: used by 'next'; persistent");
+    EXPECT_EQ(verdict(graph, plan, "h@-1"),
+        "kept: a step of the history between two that are used; persistent");
+
+    // Nobody reads an older content: the ring does not turn.
+    graph = make(0, true);
+    plan = compile(graph.declaration());
+    EXPECT_EQ(order_line(graph.declaration(), plan), "next look");
+    EXPECT_EQ(verdict(graph, plan, "h"), "kept: used from 'next' to 'look'; persistent");
+    EXPECT_EQ(verdict(graph, plan, "h@-1"), "culled: no live pass uses it");
+
+    // A ring that feeds only itself is dead.
+    graph = make(1, false);
+    plan = compile(graph.declaration());
+    EXPECT_TRUE(plan.steps.empty());
+    EXPECT_EQ(verdict(graph, plan, "next"), "culled: only 'look', culled too, reads 'h'");
+}
+
+/// What is added onto keeps all ages: it comes back when the ring has turned once.
+TEST(Cull, AccumulatingIntoAHistoryReadsItsOldestContent) {
+    Graph graph("g");
+    auto history = graph.create_history_buffer("h", {4}, 1);
+    auto pass = graph.add_compute_pass("add");
+    history.now = pass.read_write("h", history.now);
+    graph.export_resource(history.now, "the sum");
+    const Plan plan = compile(graph.declaration());
+    EXPECT_EQ(order_line(graph.declaration(), plan), "add");
+    EXPECT_FALSE(plan.resources[history.previous[0].resource].culled);
+}
+
 } // namespace
 } // namespace ockham

@@ -318,8 +318,9 @@ TEST(Misuse, AttachmentShape) {
     auto pass = graph.add_raster_pass("p");
     (void)pass.color(graph.create_image("a", {VK_FORMAT_R8_UNORM, 4, 4, 1, 2, 3}));
     EXPECT_EQ(misuse_of(graph),
-        "[attachment-shape] graph 'g': pass 'p' (#) draws to transient image 'a' (#), which has "
-        "depth 1, 2 layers and 3 mips; an attachment has one of each");
+        "[attachment-shape] graph 'g': pass 'p' (#) draws to 3 mips and 2 layers of transient "
+        "image 'a' (#), which has depth 1; an attachment is one mip of one layer of depth 1: say "
+        "which by mip() and layer()");
     Graph second("g");
     auto draw = second.add_raster_pass("p");
     (void)draw.depth(second.create_image("a", kDepth), 0);
@@ -345,6 +346,231 @@ TEST(Misuse, NoAttachment) {
     EXPECT_EQ(misuse_of(graph),
         "[no-attachment] graph 'g': pass 'p' (#) is a raster pass without color() or depth(); add "
         "one");
+}
+
+TEST(Misuse, TwoWriters) {
+    Graph graph("g");
+    const BufferHandle a = graph.create_buffer("a", {4});
+    auto first = graph.add_compute_pass("first");
+    (void)first.write("a", a);
+    auto second = graph.add_compute_pass("second");
+    (void)second.write("a", a);
+    EXPECT_EQ(misuse_of(graph),
+        "[two-writers] graph 'g': pass 'first' (#) and pass 'second' (#) both write version 0 of "
+        "transient buffer 'a' (#); let the second write the handle that the first returned");
+}
+
+TEST(Misuse, Cycle) {
+    Graph graph("g");
+    const BufferHandle y = graph.create_buffer("y", {4});
+    auto first = graph.add_compute_pass("first");
+    first.read("y", y);
+    const BufferHandle x = first.write("x", graph.create_buffer("x", {4}));
+    auto between = graph.add_compute_pass("between");
+    between.read("x", x);
+    const BufferHandle z = between.write("z", graph.create_buffer("z", {4}));
+    auto last = graph.add_compute_pass("last");
+    last.read("z", z);
+    (void)last.write("y", y);
+    EXPECT_EQ(misuse_of(graph),
+        "[cycle] graph 'g': pass 'first' (#) reads transient buffer 'y' (#), which only pass "
+        "'last' (#) writes, which itself needs what pass 'between' (#) makes; break the circle by "
+        "a persistent resource or a history");
+}
+
+TEST(Misuse, ReadBeforeWriteNamesTheLaterWriter) {
+    Graph graph("g");
+    const BufferHandle a = graph.create_buffer("a", {4});
+    auto reader = graph.add_compute_pass("reader");
+    reader.read("a", a);
+    auto writer = graph.add_compute_pass("writer");
+    (void)writer.write("a", a);
+    EXPECT_EQ(misuse_of(graph),
+        "[read-before-write] graph 'g': pass 'reader' (#) reads transient buffer 'a' (#), which no "
+        "earlier pass writes; add pass 'writer' (#), which does, before it");
+}
+
+TEST(Misuse, ReadBeforeWriteOfAPart) {
+    Graph graph("g");
+    ImageHandle a = graph.create_image("a", {VK_FORMAT_R8_UNORM, 8, 8, 1, 1, 3});
+    auto writer = graph.add_compute_pass("writer");
+    a = writer.write("a", a.mip(0));
+    auto reader = graph.add_compute_pass("reader");
+    reader.sample("a", a.mips(0, 2));
+    EXPECT_EQ(misuse_of(graph).substr(0, 19), "[read-before-write]");
+    Graph second("g");
+    a = second.create_image("a", {VK_FORMAT_R8_UNORM, 8, 8, 1, 1, 3});
+    auto both = second.add_compute_pass("writer");
+    a = both.write("a", a.mips(0, 2));
+    auto fine = second.add_compute_pass("reader");
+    fine.sample("a", a.mip(1)).side_effect("test");
+    EXPECT_EQ(misuse_of(second), "");
+}
+
+TEST(Misuse, BadPart) {
+    const auto text = [](auto part) {
+        Graph graph("g");
+        const ImageHandle a =
+            graph.create_persistent_image("a", {VK_FORMAT_R8_UNORM, 8, 8, 1, 2, 3});
+        auto pass = graph.add_compute_pass("p");
+        pass.sample("a", part(a)).side_effect("test");
+        return misuse_of(graph);
+    };
+    EXPECT_EQ(text([](ImageHandle a) { return a.mip(3); }),
+        "[bad-part] graph 'g': pass 'p' (#) uses mip 3 of all layers of persistent image 'a' (#), "
+        "which has 3 mips and 2 layers");
+    EXPECT_EQ(text([](ImageHandle a) { return a.layers(1, 2).mip(0); }),
+        "[bad-part] graph 'g': pass 'p' (#) uses mip 0 of layers 1 to 2 of persistent image 'a' "
+        "(#), which has 3 mips and 2 layers");
+    EXPECT_EQ(text([](ImageHandle a) { return a.mips(1, 0); }).substr(0, 10), "[bad-part]");
+    EXPECT_EQ(text([](ImageHandle a) { return a.mips(1, 2).layer(1); }), "");
+
+    Graph graph("g");
+    const BufferHandle b = graph.create_persistent_buffer("b", {1000});
+    auto pass = graph.add_compute_pass("p");
+    pass.read("b", b.range(256, 1000)).side_effect("test");
+    EXPECT_EQ(misuse_of(graph),
+        "[bad-part] graph 'g': pass 'p' (#) uses bytes 256 to 1255 of persistent buffer 'b' (#), "
+        "which has 1000 bytes");
+}
+
+TEST(Misuse, MisalignedPart) {
+    Graph graph("g");
+    const BufferHandle b = graph.create_persistent_buffer("b", {1000});
+    auto pass = graph.add_compute_pass("p");
+    pass.read("b", b.range(64, 64)).side_effect("test");
+    EXPECT_EQ(misuse_of(graph),
+        "[misaligned-part] graph 'g': pass 'p' (#) binds persistent buffer 'b' (#) from byte 64 "
+        "on, which is no multiple of 256; portable offsets are");
+    Graph second("g");
+    auto indirect = second.add_compute_pass("p");
+    indirect.indirect(second.create_persistent_buffer("b", {1000}).range(2, 12));
+    EXPECT_EQ(misuse_of(second),
+        "[misaligned-part] graph 'g': pass 'p' (#) uses persistent buffer 'b' (#) from byte 2 on, "
+        "which is no multiple of 4; indices, arguments and copies start at one");
+}
+
+TEST(Misuse, DisjointPartsMayBeUsedInOnePass) {
+    Graph graph("g");
+    ImageHandle a = graph.create_persistent_image("a", {VK_FORMAT_R8_UNORM, 8, 8, 1, 2, 3});
+    auto pass = graph.add_compute_pass("p");
+    pass.sample("from", a.mip(0));
+    a = pass.write("to", a.mip(1));
+    EXPECT_EQ(misuse_of(graph), "");
+    Graph second("g");
+    a = second.create_persistent_image("a", {VK_FORMAT_R8_UNORM, 8, 8, 1, 2, 3});
+    auto overlapping = second.add_compute_pass("p");
+    overlapping.sample("from", a.mips(0, 2));
+    a = overlapping.write("to", a.mip(1));
+    EXPECT_EQ(misuse_of(second).substr(0, 12), "[used-twice]");
+}
+
+TEST(Misuse, OneBindingForTwoParts) {
+    Graph graph("g");
+    const ImageHandle a = graph.create_persistent_image("a", {VK_FORMAT_R8_UNORM, 8, 8, 1, 2, 3});
+    auto pass = graph.add_compute_pass("p");
+    pass.sample("x", a.mip(0)).sample("x", a.mip(1));
+    EXPECT_EQ(misuse_of(graph),
+        "[duplicate-binding] graph 'g': pass 'p' (#) binds both mip 0 of all layers of persistent "
+        "image 'a' (#) and mip 1 of all layers of persistent image 'a' (#) to 'x'; rename one");
+}
+
+TEST(Misuse, WrongQueue) {
+    Graph graph("g");
+    auto pass = graph.add_raster_pass("p");
+    pass.prefer(QueueWish::async_compute);
+    EXPECT_EQ(misuse_of(graph),
+        "[wrong-queue] graph 'g': pass 'p' (#) is a raster pass and wishes for the async compute "
+        "queue, which cannot run it; leave it on the main queue");
+}
+
+TEST(Misuse, ConditionalContent) {
+    const auto text = [](auto read, bool otherwise) {
+        Graph graph("g");
+        const Condition foggy = graph.add_condition("foggy");
+        BufferHandle a = graph.create_buffer("a", {4});
+        {
+            const auto guard = graph.when(foggy);
+            auto pass = graph.add_compute_pass("fog");
+            a = pass.write("a", a);
+        }
+        if (otherwise) {
+            const auto guard = graph.unless(foggy);
+            auto pass = graph.add_compute_pass("clear");
+            a = pass.write("a", a);
+        }
+        read(graph, foggy, a);
+        return misuse_of(graph);
+    };
+    const auto plain = [](Graph& graph, Condition, BufferHandle a) {
+        auto pass = graph.add_compute_pass("p");
+        pass.read("a", a).side_effect("test");
+    };
+    const auto guarded = [&](Graph& graph, Condition foggy, BufferHandle a) {
+        const auto guard = graph.when(foggy);
+        plain(graph, foggy, a);
+    };
+    const auto exported = [](Graph& graph, Condition, BufferHandle a) {
+        graph.export_resource(a, "the result");
+    };
+    EXPECT_EQ(text(plain, false),
+        "[conditional-content] graph 'g': pass 'p' (#) reads transient buffer 'a' (#), which is "
+        "written only where condition 'foggy' (#) holds; write it in the other case too, or read "
+        "it under the same condition");
+    EXPECT_EQ(text(exported, false),
+        "[conditional-content] graph 'g': transient buffer 'a' (#) is exported (the result), but "
+        "written only where condition 'foggy' (#) holds; write it in the other case too");
+    EXPECT_EQ(text(guarded, false), "");
+    EXPECT_EQ(text(plain, true), "");
+    EXPECT_EQ(text(exported, true), "");
+}
+
+TEST(Misuse, BadHistory) {
+    Graph graph("g");
+    (void)graph.create_history_buffer("a", {4}, 0);
+    EXPECT_EQ(misuse_of(graph), "[bad-size] graph 'g': persistent buffer 'a' (#) is a history of "
+                                "depth 0; ask for at least 1, or make it persistent");
+}
+
+/// What Graph cannot say, but a file may.
+TEST(Misuse, Malformed) {
+    const auto text = [](auto corrupt) {
+        Graph graph("g");
+        BufferHandle a = graph.create_persistent_buffer("a", {4});
+        (void)graph.create_history_image("h", kColor, 2);
+        const Condition c = graph.add_condition("c");
+        const auto guard = graph.when(c);
+        auto pass = graph.add_compute_pass("p");
+        a = pass.read_write("a", a.range(0, 4));
+        Declaration declaration = graph.declaration();
+        corrupt(declaration);
+        return misuse_of(declaration);
+    };
+    EXPECT_EQ(text([](Declaration&) {}), "");
+    EXPECT_EQ(text([](Declaration& d) { d.uses[0].resource = 9; }),
+        "[malformed] graph 'g': pass 'p' (#) uses resource 9 of 4");
+    EXPECT_EQ(text([](Declaration& d) { d.uses[0].version = 3; }),
+        "[malformed] graph 'g': pass 'p' (#) sees version 3 of persistent buffer 'a' (#) where the "
+        "passes before it leave version 0");
+    const auto head = [&](auto corrupt) { return text(corrupt).substr(0, 11); };
+    EXPECT_EQ(head([](Declaration& d) { d.uses[0].version_written = kNone; }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.uses[0].part = 7; }), "[malformed]");
+    EXPECT_EQ(
+        head([](Declaration& d) { d.uses[0].access = static_cast<Access>(99); }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.uses.pop_back(); }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.details.clear(); }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.passes[0].use_count = 2; }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.passes[0].first_use = 1; }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.passes[0].guard = 1; }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.guards[0].parent = 0; }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.conditions.clear(); }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.resources.pop_back(); }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.resources[2].history_age = 2; }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.resources[3].image.width = 9; }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.resources[0].kind = static_cast<ResourceKind>(9); }),
+        "[malformed]");
+    EXPECT_EQ(
+        head([](Declaration& d) { d.passes[0].kind = static_cast<PassKind>(9); }), "[malformed]");
 }
 
 } // namespace
