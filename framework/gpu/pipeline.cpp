@@ -106,63 +106,6 @@ VkPipelineShaderStageCreateInfo stage_info(
         .pSpecializationInfo = &table.info};
 }
 
-/// What all stages together bind and push; handles are null.
-PipelineLayout merge(std::span<const Reflection* const> shaders) {
-    PipelineLayout layout;
-    for (const Reflection* const shader : shaders) {
-        if (shader->push_bytes > 0) {
-            layout.push_bytes = std::max(layout.push_bytes, shader->push_bytes);
-            layout.push_stages |= shader->stage;
-        }
-        for (const ShaderBinding& binding : shader->bindings) {
-            const auto slot = std::ranges::find_if(layout.slots, [&](const auto& other) {
-                return other.binding.set == binding.set && other.binding.binding == binding.binding;
-            });
-            if (slot == layout.slots.end()) {
-                layout.slots.push_back({binding, shader->name, VkShaderStageFlags(shader->stage)});
-                continue;
-            }
-            if (slot->binding.name != binding.name || slot->binding.type != binding.type) {
-                fail_input(
-                    "shaders '{}' and '{}' disagree about set {}, binding {}: '{}' and '{}'; "
-                    "give one of them another number",
-                    slot->shader, shader->name, binding.set, binding.binding, slot->binding.name,
-                    binding.name);
-            }
-            slot->binding.reads |= binding.reads;
-            slot->binding.writes |= binding.writes;
-            slot->stages |= shader->stage;
-        }
-    }
-    std::ranges::sort(layout.slots, {}, [](const PipelineLayout::Slot& slot) {
-        return std::pair(slot.binding.set, slot.binding.binding);
-    });
-    return layout;
-}
-
-/// Reloaded shaders may leave bindings out and number them anew, and that is all.
-void expect_fits(const PipelineLayout& reloaded, const PipelineLayout& embedded) {
-    for (const PipelineLayout::Slot& slot : reloaded.slots) {
-        const ShaderBinding& binding = slot.binding;
-        const auto same = std::ranges::find(embedded.slots, binding.name,
-            [](const PipelineLayout::Slot& other) { return other.binding.name; });
-        if (same == embedded.slots.end()) {
-            fail_input("shader '{}' uses binding '{}', which the one built in does not, so passes "
-                       "may not declare it; rebuild the program",
-                slot.shader, binding.name);
-        }
-        const ShaderBinding& known = same->binding;
-        if (binding.type != known.type || binding.reads != known.reads ||
-            binding.writes != known.writes || binding.view_type != known.view_type ||
-            binding.format != known.format || slot.stages != same->stages) {
-            fail_input("shader '{}' uses binding '{}' in another way (kind, format, direction or "
-                       "stages) than the one built in, for which passes are declared; rebuild the "
-                       "program",
-                slot.shader, binding.name);
-        }
-    }
-}
-
 } // namespace
 
 Pipelines::Pipelines(Device& device, std::filesystem::path cache_dir) : device_(device) {
@@ -263,66 +206,18 @@ const PipelineLayout& Pipelines::layout(const Shaders& shaders) {
         reflections.push_back(&used.reflection);
         reloaded |= !used.reloaded.empty();
     }
-    PipelineLayout layout = merge(reflections);
+    const std::string text = fmt::format("{}", fmt::join(shaders, " + "));
+    PipelineLayout layout = layout_of(reflections);
     if (reloaded) {
         std::vector<Reflection> embedded;
         for (const std::string& name : shaders)
             embedded.push_back(reflect(name, find_shader(name)));
         for (std::size_t i = 0; i < embedded.size(); ++i) reflections[i] = &embedded[i];
-        const PipelineLayout known = merge(reflections);
-        expect_fits(layout, known);
-        if (layout.push_bytes != known.push_bytes) {
-            fail_input("'{}' takes {} bytes of push constants, but {} as built in; rebuild the "
-                       "program",
-                fmt::join(shaders, " + "), layout.push_bytes, known.push_bytes);
-        }
+        expect_fits(layout, layout_of(reflections), text);
     }
     layouts_.push_back(std::move(layout));
-    create_layout(layouts_.back(), shaders);
+    create_handles(device_, layouts_.back(), text);
     return *now_.layouts.emplace(shaders, &layouts_.back()).first->second;
-}
-
-void Pipelines::create_layout(PipelineLayout& layout, const Shaders& shaders) {
-    const auto in_set_0 =
-        std::ranges::count_if(layout.slots, [](const auto& slot) { return slot.binding.set == 0; });
-    layout.pushes_set_0 =
-        device_.pushes_descriptors() && in_set_0 > 0 &&
-        in_set_0 <= static_cast<std::ptrdiff_t>(device_.limits().push_descriptors);
-
-    const std::uint32_t set_count =
-        layout.slots.empty() ? 0 : layout.slots.back().binding.set + 1; // sorted by set
-    for (std::uint32_t set = 0; set < set_count; ++set) {
-        std::vector<VkDescriptorSetLayoutBinding> rows;
-        for (const PipelineLayout::Slot& slot : layout.slots) {
-            if (slot.binding.set != set) continue;
-            rows.push_back({.binding = slot.binding.binding,
-                .descriptorType = slot.binding.type,
-                .descriptorCount = 1,
-                .stageFlags = slot.stages});
-        }
-        const bool pushed = set == 0 && layout.pushes_set_0;
-        const VkDescriptorSetLayoutCreateInfo info{
-            .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-            .flags =
-                pushed
-                    ? VkDescriptorSetLayoutCreateFlags{VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR}
-                    : 0,
-            .bindingCount = static_cast<std::uint32_t>(rows.size()),
-            .pBindings = rows.data()};
-        VkDescriptorSetLayout handle = VK_NULL_HANDLE;
-        expect(vkCreateDescriptorSetLayout(device_.handle(), &info, nullptr, &handle),
-            fmt::format("creating the descriptor layout of '{}'", fmt::join(shaders, " + ")));
-        layout.sets.push_back(handle);
-    }
-    const VkPushConstantRange push{
-        .stageFlags = layout.push_stages, .offset = 0, .size = (layout.push_bytes + 3) / 4 * 4};
-    const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-        .setLayoutCount = static_cast<std::uint32_t>(layout.sets.size()),
-        .pSetLayouts = layout.sets.data(),
-        .pushConstantRangeCount = layout.push_bytes > 0 ? 1u : 0u,
-        .pPushConstantRanges = &push};
-    expect(vkCreatePipelineLayout(device_.handle(), &info, nullptr, &layout.handle),
-        fmt::format("creating the pipeline layout of '{}'", fmt::join(shaders, " + ")));
 }
 
 Pipeline Pipelines::make_compute(const ComputeKey& key) {
@@ -465,18 +360,23 @@ Pipeline Pipelines::make_raster(const RasterKey& key) {
 }
 
 void Pipelines::reload_from(std::unique_ptr<ShaderSource> source) {
+    check(source != nullptr, "reload_from() without a source");
     const std::lock_guard lock(mutex_);
     source_ = std::move(source);
     std::set<std::string> names;
     for (const auto& [name, used] : now_.shaders) names.insert(name);
-    if (!names.empty()) take_up(names);
+    take_up(names);
 }
 
 void Pipelines::reload() {
     const std::lock_guard lock(mutex_);
     if (!source_) return;
-    const std::vector<std::string> names = source_->changed();
-    if (!names.empty()) take_up({names.begin(), names.end()});
+    const std::vector<std::string> changed = source_->changed();
+    if (changed.empty()) return;
+    // What an earlier failure left out may belong to what mends it.
+    std::set<std::string> names = pending_;
+    names.insert(changed.begin(), changed.end());
+    take_up(names);
 }
 
 /// Empty words: the embedded ones. False if that is what the name stands for already.
@@ -502,24 +402,23 @@ void Pipelines::remake(const std::set<std::string>& changed) {
     for (const Key& key : keys) make(key);
 }
 
-/// Asks the source for these shaders, and for those that an earlier failure left out: they may
-/// belong together. All or nothing; errors are logged.
+/// Asks the source for these shaders and uses all of them or none; errors are logged.
 void Pipelines::take_up(const std::set<std::string>& names) {
-    const bool failed_before = !pending_.empty();
-    pending_.insert(names.begin(), names.end());
     Tables before = now_;
     try {
         std::set<std::string> changed;
-        for (const std::string& name : pending_) {
+        for (const std::string& name : names) {
             if (set_shader(name, source_->load(name))) changed.insert(name);
         }
         remake(changed);
-        if (failed_before || !changed.empty()) {
-            log::info("reloaded shaders: {}", fmt::join(failed_before ? pending_ : changed, ", "));
+        bool mended = false;
+        for (const std::string& name : names) mended |= pending_.erase(name) > 0;
+        if (mended || !changed.empty()) {
+            log::info("reloaded shaders: {}", fmt::join(mended ? names : changed, ", "));
         }
-        pending_.clear();
     } catch (const std::exception& error) {
         now_ = std::move(before);
+        pending_.insert(names.begin(), names.end());
         log::error("shaders are not reloaded, those in use stay: {}", error.what());
     }
 }

@@ -4,6 +4,7 @@
 // passes name shaders only. Can take shaders from elsewhere while the program runs (hot reload).
 #pragma once
 
+#include "framework/gpu/pipeline_layout.hpp"
 #include "framework/gpu/shader.hpp"
 
 #include <vulkan/vulkan.h>
@@ -24,22 +25,6 @@
 namespace ockham::gpu {
 
 class Device;
-
-/// What the shaders of one pipeline need bound, all stages together.
-struct PipelineLayout {
-    struct Slot {
-        ShaderBinding binding; ///< reads and writes: by any stage
-        std::string shader;    ///< one that uses it, for messages
-        VkShaderStageFlags stages = 0;
-    };
-    VkPipelineLayout handle = VK_NULL_HANDLE;
-    std::vector<VkDescriptorSetLayout> sets;
-    std::vector<Slot> slots; ///< by set, then binding
-    /// Set 0 is given by push descriptors; the others, and without this set 0 too, by sets.
-    bool pushes_set_0 = false;
-    std::uint32_t push_bytes = 0;
-    VkShaderStageFlags push_stages = 0;
-};
 
 struct Pipeline {
     VkPipeline handle = VK_NULL_HANDLE;
@@ -125,7 +110,6 @@ private:
     Pipeline make_raster(const RasterKey& key);
     const Shader& shader(const std::string& name);
     const PipelineLayout& layout(const Shaders& shaders);
-    void create_layout(PipelineLayout& layout, const Shaders& shaders);
     VkRenderPass render_pass_locked(const std::vector<Attachment>& attachments);
     bool set_shader(const std::string& name, std::vector<std::uint32_t> words);
     void remake(const std::set<std::string>& changed);

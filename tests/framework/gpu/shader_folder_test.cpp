@@ -226,6 +226,18 @@ TEST_F(ShaderFolderTest, AShaderThatOtherPipelinesCannotUseIsGivenUp) {
     EXPECT_EQ(execute(1000), 7u);
 }
 
+TEST_F(ShaderFolderTest, ABrokenShaderDoesNotHoldUpOthersAtTheStart) {
+    write("test/reload.comp", "garbage");
+    write("test/pass.vert", "#version 460\nvoid main() { gl_Position = vec4(1.0); }\n");
+    watch();
+    EXPECT_EQ(execute(), 101u);
+    expect_error({"reload.comp:1: "});
+    const RasterState state{.vertex_shader = "test/pass.vert", .depth_test = false};
+    EXPECT_TRUE(device_.pipelines().raster(state, {}).layout->slots.empty()); // of the folder
+    EXPECT_NE(infos_.find("reloaded shaders: test/pass.vert\n"), std::string::npos) << infos_;
+    EXPECT_EQ(execute(), 101u); // and the error is not repeated
+}
+
 TEST_F(ShaderFolderTest, StagesAreTakenUpTogetherOrNotAtAll) {
     const fs::path source = fs::path(OCKHAM_SOURCE) / "tests/framework/gpu/shaders/test";
     const std::string vertex = read_text(source / "pass.vert");
