@@ -9,18 +9,11 @@ include(CMakePackageConfigHelpers)
 
 # Headers for sources of their own folder only; public headers must not include them.
 set(internal_headers
-  framework/gpu/selection
-  framework/graph/describe
-  framework/graph/pack
-  framework/graph/phases
-  framework/graph/words
-  framework/io/gltf_[a-z]+
-  framework/io/texture_image
-  framework/runtime/commands_impl
-  framework/scene/atrium_parts
-  framework/scene/builtin_parts
-  framework/scene/builtin_textures
-  framework/scene/shapes)
+  framework/gpu/(selection|shader_compiler)
+  framework/graph/(checks|describe|json_reader|pack|phases|verify_[a-z]+|words)
+  framework/io/(gltf_[a-z]+|texture_image)
+  framework/runtime/(barriers|bindings|commands_impl|misuse|resources)
+  framework/scene/(atrium_parts|builtin_parts|builtin_textures|shapes))
 
 # Targets and what pkg-config calls them (or a flag), where that is not their package's name in CMake.
 set(pc_names
@@ -123,7 +116,8 @@ install(DIRECTORY shaders DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ockham
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Ockham)
 set(shaders_folder ${CMAKE_INSTALL_INCLUDEDIR}/ockham/shaders)
 configure_package_config_file(cmake/Config.cmake.in OckhamConfig.cmake
-  INSTALL_DESTINATION ${package_folder} PATH_VARS shaders_folder)
+  INSTALL_DESTINATION ${package_folder} PATH_VARS shaders_folder
+  NO_CHECK_REQUIRED_COMPONENTS_MACRO)
 write_basic_package_version_file(OckhamConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/OckhamConfig.cmake
   ${CMAKE_CURRENT_BINARY_DIR}/OckhamConfigVersion.cmake cmake/CompileShaders.cmake
