@@ -3,8 +3,8 @@
 // and outputs that cannot be written end in one clear error.
 #include "framework/core/error.hpp"
 #include "framework/core/file.hpp"
-#include "framework/core/log.hpp"
 #include "framework/io/exr.hpp"
+#include "tests/support/file_test.hpp"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDeepFrameBuffer.h>
@@ -17,7 +17,6 @@
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -31,33 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own per test, removed afterwards; log messages are collected.
-class Exr : public testing::Test {
-protected:
-    Exr()
-        : folder_(
-              fs::path(testing::TempDir()) / fmt::format("ockham_exr_{}_{}", ::getpid(), name())) {
-        fs::create_directories(folder_);
-        log::set_sink([this](log::Level level, std::string_view text) {
-            if (level == log::Level::warning) warnings_.emplace_back(text);
-        });
-    }
-    ~Exr() override {
-        log::set_sink({});
-        fs::remove_all(folder_);
-    }
-    static std::string name() {
-        return testing::UnitTest::GetInstance()->current_test_info()->name();
-    }
-    fs::path file(const std::string& leaf) const { return folder_ / leaf; }
-    std::size_t files() const {
-        return static_cast<std::size_t>(
-            std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-    }
-
-    fs::path folder_;
-    std::vector<std::string> warnings_;
-};
+class Exr : public test::FileTest {};
 
 Image sample_image(int width = 7, int height = 5) {
     Image image(width, height, {"R", "G", "B", "A", "depth.Z", "k"});

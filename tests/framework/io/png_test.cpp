@@ -2,12 +2,11 @@
 // PNG in and out, and the choice between PNG and EXR by name.
 #include "framework/core/error.hpp"
 #include "framework/core/file.hpp"
-#include "framework/core/log.hpp"
 #include "framework/io/image_file.hpp"
 #include "framework/io/png.hpp"
+#include "tests/support/file_test.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -20,33 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own per test, removed afterwards; log messages are collected.
-class Png : public testing::Test {
-protected:
-    Png()
-        : folder_(
-              fs::path(testing::TempDir()) / fmt::format("ockham_png_{}_{}", ::getpid(), name())) {
-        fs::create_directories(folder_);
-        log::set_sink([this](log::Level level, std::string_view text) {
-            if (level == log::Level::warning) warnings_.emplace_back(text);
-        });
-    }
-    ~Png() override {
-        log::set_sink({});
-        fs::remove_all(folder_);
-    }
-    static std::string name() {
-        return testing::UnitTest::GetInstance()->current_test_info()->name();
-    }
-    fs::path file(const std::string& leaf) const { return folder_ / leaf; }
-    std::size_t files() const {
-        return static_cast<std::size_t>(
-            std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
-    }
-
-    fs::path folder_;
-    std::vector<std::string> warnings_;
-};
+class Png : public test::FileTest {};
 
 template <class Function>
 std::string error_of(Function function) {
