@@ -42,6 +42,8 @@ Limits read_limits(VkPhysicalDevice physical, std::uint32_t queue_family, bool p
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
     const VkPhysicalDeviceLimits& l = properties.properties.limits;
     return {.image_extent = l.maxImageDimension2D,
+        .attachment_extent = std::min({l.maxImageDimension2D, l.maxFramebufferWidth,
+            l.maxFramebufferHeight, l.maxViewportDimensions[0], l.maxViewportDimensions[1]}),
         .image_extent_3d = l.maxImageDimension3D,
         .image_layers = l.maxImageArrayLayers,
         .allocation_bytes = v11.maxMemoryAllocationSize,
@@ -64,11 +66,15 @@ DeviceInfo read_info(VkPhysicalDevice physical) {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &v12};
     vkGetPhysicalDeviceProperties2(physical, &properties);
     const VkPhysicalDeviceProperties& p = properties.properties;
+    const auto version = [](std::uint32_t v) {
+        return fmt::format(
+            "{}.{}.{}", VK_API_VERSION_MAJOR(v), VK_API_VERSION_MINOR(v), VK_API_VERSION_PATCH(v));
+    };
     return {.name = p.deviceName,
         .driver = v12.driverName,
-        .driver_version = v12.driverInfo,
-        .api_version = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(p.apiVersion),
-            VK_API_VERSION_MINOR(p.apiVersion), VK_API_VERSION_PATCH(p.apiVersion)),
+        // The words are optional; the number is encoded as the driver likes, usually like this.
+        .driver_version = *v12.driverInfo ? v12.driverInfo : version(p.driverVersion),
+        .api_version = version(p.apiVersion),
         .software = p.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU};
 }
 

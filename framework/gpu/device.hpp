@@ -47,7 +47,8 @@ struct DeviceInfo {
 };
 
 struct Limits {
-    std::uint32_t image_extent = 0; ///< largest width or height of a 2D image
+    std::uint32_t image_extent = 0;      ///< largest width or height of a 2D image
+    std::uint32_t attachment_extent = 0; ///< the same where raster passes draw into it
     std::uint32_t image_extent_3d = 0;
     std::uint32_t image_layers = 0;
     std::uint64_t allocation_bytes = 0;

@@ -185,7 +185,7 @@ AdaptiveAa::AdaptiveAa(
                 .height = map->info().height},
             state_of(Access::sampled, Stage::compute));
     }
-    outputs_ = add_adaptive_aa(graph, in, params_, device.limits().image_extent);
+    outputs_ = add_adaptive_aa(graph, in, params_, device.limits().attachment_extent);
     Policy policy;
     const std::uint64_t budget = device.allocator().budget_bytes();
     const std::uint64_t used = device.allocator().bytes_used();

@@ -68,10 +68,19 @@ vec4 lookup(sampler2DArray image, TextureRef texture_ref, SurfaceSample s, vec2 
 #endif
 
 #ifdef SHADOW
-/// Share of the sun that arrives: four nearest depths, compared, then interpolated.
-float sun_visibility(vec3 world, vec3 normal, float n_l) {
+/// How far a sample may lie off its surface, world units: rasterisers move corners to a grid, which
+/// Vulkan wants no coarser than 1/16 sample, and interpolate depth from there.
+float surface_error(float depth) {
+    float sample_size = 2.0 * length(frame.data.up) / float(frame.data.size.y * frame.data.m);
+    return (frame.data.orthographic != 0u ? 1.0 : depth) * sample_size / 16.0;
+}
+
+/// Share of the sun that arrives: four nearest depths, compared, then interpolated. `depth`: along
+/// the camera's axis.
+float sun_visibility(vec3 world, float depth, vec3 normal, float n_l) {
     float slope = sqrt(clamp(1.0 - n_l * n_l, 0.0, 1.0));
-    vec3 lifted = world + normal * (frame.data.sun_texel * (0.5 + 2.0 * slope));
+    float lift = frame.data.sun_texel * (0.5 + 2.0 * slope) + surface_error(depth);
+    vec3 lifted = world + normal * lift;
     vec4 p = frame.data.sun_projection * vec4(lifted, 1.0);
     vec2 size = vec2(textureSize(shadow_map, 0));
     vec2 texel = (0.5 * p.xy + 0.5) * size - 0.5;
@@ -149,7 +158,8 @@ vec4 shade_sample(ivec2 pixel, uint index, float widening) {
     if ((material.flags & MATERIAL_UNLIT) != 0u) return vec4(base_color.rgb * unstalled, 1.0);
 
     Surface surface = make_surface(base_color.rgb, metallic, roughness, material.reflectance);
-    vec3 world = sample_world(position, view_depth(s.depth));
+    float depth = view_depth(s.depth);
+    vec3 world = sample_world(position, depth);
     vec3 v = to_camera(world);
     vec3 n = s.normal;
     vec3 radiance = emissive + frame.data.ambient * occlusion * (surface.diffuse + surface.reflectance);
@@ -160,7 +170,7 @@ vec4 shade_sample(ivec2 pixel, uint index, float widening) {
             vec3 l = lights.items[light].to_light;
             float visible = 1.0;
 #ifdef SHADOW
-            if (light == 0u) visible = sun_visibility(world, n, dot(n, l));
+            if (light == 0u) visible = sun_visibility(world, depth, n, dot(n, l));
 #endif
             radiance += visible * lights.items[light].intensity * reflect_light(surface, n, v, l);
         }

@@ -59,6 +59,14 @@ TEST_F(DeviceTest, IsChosenByIndexOrPartOfItsName) {
     EXPECT_GE(first.limits().storage_bytes, std::uint64_t{1} << 27);
 }
 
+TEST_F(DeviceTest, IsOfTheDriverUnderTest) {
+    const char* wanted = std::getenv("OCKHAM_TEST_GPU"); // set where a second driver is tested
+    const bool second = wanted && std::string_view(wanted) == "SwiftShader";
+    for (const std::string& name : {Device().info().name, device().info().name}) {
+        EXPECT_EQ(name.find("SwiftShader") != std::string::npos, second) << name;
+    }
+}
+
 TEST_F(DeviceTest, AnUnknownGpuIsRefusedWithTheListOfAll) {
     for (const char* wish : {"no such gpu", "77"}) {
         const std::string text = error_of([&] { Device device({.gpu = wish}); });

@@ -39,7 +39,7 @@ TEST_F(PipelineTest, AreMadeOncePerSpecialization) {
     EXPECT_EQ(pipelines.count(), count + 1);
     EXPECT_EQ(first.layout->push_bytes, 64u);
     ASSERT_EQ(first.layout->sets.size(), 2u);
-    EXPECT_TRUE(first.layout->pushes_set_0);
+    EXPECT_EQ(first.layout->pushes_set_0, device().pushes_descriptors());
     EXPECT_TRUE(std::ranges::is_sorted(first.layout->slots, {},
         [](const auto& slot) { return std::pair(slot.binding.set, slot.binding.binding); }));
 }
