@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # ockham_add_test(<stem> [LIBRARIES targets...] [LABELS labels...] [SOURCES more.cpp...])
+# Tests with the label gpu are registered again, see TestAgain.cmake.
 # Builds <stem>_test.cpp of the present folder with GoogleTest and registers each of its tests.
 # Tests of external data belong in <stem>_test.cpp of a folder that is added only when
 # OCKHAM_DATA_DIR is set; the folder reaches them as a compile definition.
+include(TestAgain)
+
 function(ockham_add_test stem)
   cmake_parse_arguments(arg "" "" "LIBRARIES;LABELS;SOURCES" ${ARGN})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR})
@@ -17,4 +20,7 @@ function(ockham_add_test stem)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT 300 LABELS "${arg_LABELS}")
+  if("gpu" IN_LIST arg_LABELS)
+    ockham_test_again(${target})
+  endif()
 endfunction()

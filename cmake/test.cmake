@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -P cmake/test.cmake : installs what is missing, builds preset ci in build/ci and runs every
-# test that is not labelled stability or nightly. Fails if one fails.
+# cmake -P cmake/test.cmake : installs what is missing, unpacks a second driver, builds preset ci in
+# build/ci and runs every test that is not labelled stability or nightly. Fails if one fails.
 #   cmake -DSETUP_ONLY=1 -P cmake/test.cmake    installs and stops
 #   OCKHAM_DATA_DIR=folder                      also tests with external scenes and volumes
 #   MESA_SHADER_CACHE_DIR=folder                compiled kernels [build/shader_cache]
 include(${CMAKE_CURRENT_LIST_DIR}/setup.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/swiftshader.cmake)
 if(SETUP_ONLY)
   return()
 endif()

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/gpu_fixture.hpp"
 
+#include "framework/core/error.hpp"
 #include "framework/core/log.hpp"
 
+#include <cstdlib>
 #include <memory>
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -46,22 +48,33 @@ Devices* const environment = static_cast<Devices*>(testing::AddGlobalTestEnviron
 
 Devices& devices() { return *environment; }
 
+/// The environment says what cmake/AddTest.cmake runs a test again with. A driver that is asked for
+/// and absent is an error, never another one.
+gpu::DeviceOptions options() {
+    gpu::DeviceOptions options{.validation = gpu::Validation::sync};
+    if (const char* gpu = std::getenv("OCKHAM_TEST_GPU")) options.gpu = gpu;
+    if (const char* validation = std::getenv("OCKHAM_TEST_VALIDATION")) {
+        check(std::string_view(validation) == name_of(gpu::Validation::gpu),
+            "OCKHAM_TEST_VALIDATION is 'gpu' or absent");
+        options.validation = gpu::Validation::gpu;
+    }
+    return options;
+}
+
 } // namespace
 
 gpu::Device& GpuTest::device() {
     std::unique_ptr<gpu::Device>& device = devices().pushing;
-    if (!device) {
-        device =
-            std::make_unique<gpu::Device>(gpu::DeviceOptions{.validation = gpu::Validation::sync});
-    }
+    if (!device) device = std::make_unique<gpu::Device>(options());
     return *device;
 }
 
 gpu::Device& GpuTest::device_without_push() {
     std::unique_ptr<gpu::Device>& device = devices().with_sets;
     if (!device) {
-        device = std::make_unique<gpu::Device>(
-            gpu::DeviceOptions{.validation = gpu::Validation::sync, .force_descriptor_sets = true});
+        gpu::DeviceOptions with_sets = options();
+        with_sets.force_descriptor_sets = true;
+        device = std::make_unique<gpu::Device>(with_sets);
     }
     return *device;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Base of every test that needs a device: one device per process, under synchronisation validation.
-// Any validation message fails the test, unless it was expected and taken.
+// Any validation message fails the test, unless it was expected and taken. The environment may ask
+// for another driver or for GPU-assisted validation (cmake/AddTest.cmake).
 #pragma once
 
 #include "framework/gpu/device.hpp"
@@ -16,7 +17,8 @@ namespace ockham::test {
 
 class GpuTest : public testing::Test {
 protected:
-    /// Made by the first test that asks; validation is `sync`.
+    /// Made by the first test that asks; validation is `sync`, or `gpu` if
+    /// OCKHAM_TEST_VALIDATION=gpu. Its name contains OCKHAM_TEST_GPU, if that is set.
     static gpu::Device& device();
     /// Like device(), but descriptor sets come from pools.
     static gpu::Device& device_without_push();

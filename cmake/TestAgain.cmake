@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+# ockham_test_again(<target>) : registers the GPU tests of a test program twice more. AddTest.cmake
+# calls it. What is left out is named here, with the reason.
+#   SwiftShader.<test>, label swiftshader: on a second driver, where test.cmake has unpacked one
+#   GpuAssisted.<test>, label gpu_assisted: with instrumented shaders, which report what they do
+#     out of bounds; every kernel once
+
+# Tests that cannot pass on SwiftShader, or take too long.
+set(OCKHAM_NOT_ON_SWIFTSHADER
+  # It has no push descriptors to compare descriptor sets with.
+  ExecutorTest.PushDescriptorsAndSetsAgree
+  # A barrier in a kernel costs 20 to 60 times as much there; the small maps remain.
+  BucketsTest.LargeMapsAreSortedStablyByCountTileAndRow
+  # Its memory is files, so that the limit which stands for a full disk ends the process.
+  AdaptiveAaProgram.full_disk_is_an_error_and_leaves_nothing
+  # An access out of bounds ends the process before the layer reads what was found.
+  GpuAssistedTest.AccessBeyondABufferIsReported)
+
+# Tests that together run every kernel of shaders/ at a small size.
+set(OCKHAM_GPU_ASSISTED
+  GpuAssistedTest.* BucketsTest.* GbufferTest.* MetricsTest.* ResolveTest.* SurfaceAovTest.*
+  ShadowMapTest.HolesOfAMaskLetTheSunThrough
+  AdaptiveAaTest.LoopAndBucketsMakeTheSamePicture)
+
+set(OCKHAM_SWIFTSHADER_DIR ${PROJECT_SOURCE_DIR}/build/swiftshader CACHE PATH
+  "Folder of vk_swiftshader_icd.json and its library; tests on it are registered if they exist")
+set(OCKHAM_SWIFTSHADER_ICD ${OCKHAM_SWIFTSHADER_DIR}/vk_swiftshader_icd.json)
+if(OCKHAM_SANITIZE) # which would judge the driver's own machine code
+  set(OCKHAM_SWIFTSHADER_ICD "")
+elseif(NOT EXISTS ${OCKHAM_SWIFTSHADER_ICD})
+  message(STATUS "No ${OCKHAM_SWIFTSHADER_ICD}: no tests with label swiftshader")
+  set(OCKHAM_SWIFTSHADER_ICD "")
+endif()
+
+# The second driver is the only one that the loader sees.
+set(OCKHAM_ON_SWIFTSHADER
+  OCKHAM_TEST_GPU=SwiftShader
+  VK_DRIVER_FILES=${OCKHAM_SWIFTSHADER_ICD}
+  VK_ICD_FILENAMES=${OCKHAM_SWIFTSHADER_ICD}) # loaders older than 1.3.207
+
+# Tests of the target that pass the filter, once more in this environment.
+function(ockham_discover_again target prefix label filter environment)
+  set(tests ${target}_${label})
+  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 TEST_PREFIX ${prefix}. TEST_FILTER ${filter}
+    TEST_LIST ${tests} PROPERTIES TIMEOUT 300)
+  # What is a list does not get through PROPERTIES.
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${tests}.cmake)
+  file(WRITE ${file} "if(${tests})
+  set_tests_properties(\${${tests}} PROPERTIES LABELS \"gpu;${label}\"
+    ENVIRONMENT \"${environment}\")
+endif()
+")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
+endfunction()
+
+function(ockham_test_again target)
+  if(OCKHAM_SWIFTSHADER_ICD)
+    list(JOIN OCKHAM_NOT_ON_SWIFTSHADER ":" without)
+    ockham_discover_again(${target} SwiftShader swiftshader "-${without}"
+      "${OCKHAM_ON_SWIFTSHADER}")
+  endif()
+  list(JOIN OCKHAM_GPU_ASSISTED ":" only)
+  ockham_discover_again(${target} GpuAssisted gpu_assisted "${only}" OCKHAM_TEST_VALIDATION=gpu)
+endfunction()
