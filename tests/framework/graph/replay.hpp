@@ -62,6 +62,30 @@ private:
         std::array<std::uint64_t, 40> visible{}; ///< per stage bit: accesses that see it
     };
 
+    /// Execution scopes include what is logically earlier (later) in the same pipeline.
+    static constexpr std::array<std::uint64_t, 8> kDraw{VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+        VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT,
+        VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT,
+        VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+        VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT};
+    static std::uint64_t with_earlier(std::uint64_t stages) {
+        bool found = false;
+        for (std::size_t i = kDraw.size(); i-- > 0;) {
+            found = found || (stages & kDraw[i]);
+            if (found) stages |= kDraw[i];
+        }
+        return stages & VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT ? stages | kDraw[0] : stages;
+    }
+    static std::uint64_t with_later(std::uint64_t stages) {
+        if (stages & kDraw[0]) stages |= VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+        bool found = false;
+        for (const std::uint64_t stage : kDraw) {
+            found = found || (stages & stage);
+            if (found) stages |= stage;
+        }
+        return stages;
+    }
+
     void report(std::string text) {
         if (!problem_) problem_ = std::move(text);
     }
@@ -151,8 +175,8 @@ private:
     }
 
     void apply(const Barrier& barrier, Past& past, std::uint64_t reach) const {
-        if ((reach & barrier.src_stages) == 0) return;
-        past.chained |= barrier.dst_stages;
+        if ((reach & with_earlier(barrier.src_stages)) == 0) return;
+        past.chained |= with_later(barrier.dst_stages);
         if (!past.writes || !share_memory(past.resource, barrier.resource)) return;
         if ((barrier.src_stages & past.stage) && (past.write_access & ~barrier.src_access) == 0)
             past.available = true;
@@ -173,14 +197,15 @@ private:
         for (std::size_t k = 0; k < past_.size(); ++k) {
             const Past& past = past_[k];
             if (!share_memory(past.resource, barrier.resource)) continue;
-            if (((past.stage | chained_before[k]) & barrier.src_stages) == 0)
+            if (((past.stage | chained_before[k]) & with_earlier(barrier.src_stages)) == 0)
                 report(fmt::format("a transition of '{}' does not wait for {} of '{}'",
                     name(barrier.resource), past.what, name(past.resource)));
             if (past.writes && !past.available)
                 report(fmt::format("a transition of '{}' comes before {} of '{}' is available",
                     name(barrier.resource), past.what, name(past.resource)));
         }
-        Past done{barrier.resource, "the transition", 0, 0, true, true, barrier.dst_stages, {}};
+        Past done{barrier.resource, "the transition", 0, 0, true, true,
+            with_later(barrier.dst_stages), {}};
         for (std::size_t bit = 0; bit < done.visible.size(); ++bit)
             if (barrier.dst_stages >> bit & 1) done.visible[bit] = barrier.dst_access;
         transitions.push_back(done);
@@ -210,7 +235,8 @@ private:
                 if ((past.chained >> bit & 1) == 0)
                     report(fmt::format("{} of '{}' does not wait for {} of '{}'", what, name(id),
                         past.what, name(past.resource)));
-                else if (past.writes && past.resource == id && (state.access & ~past.visible[bit]))
+                else if (past.writes && past.resource == id &&
+                         (state.access & ~kWrites & ~past.visible[bit]))
                     report(fmt::format("{} of '{}' does not see {}", what, name(id), past.what));
                 else if (past.writes && !past.available)
                     report(fmt::format("{} of '{}' comes before {} of '{}' is available", what,

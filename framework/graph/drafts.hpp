@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Barriers before it is settled which of them are needed: what synchronize() and its helpers hand
+// to each other. For synchronize.cpp, prune.cpp and owners.cpp only.
+#pragma once
+
+#include "framework/graph/pieces.hpp"
+#include "framework/graph/plan.hpp"
+
+#include <vector>
+
+namespace ockham {
+
+/// Points in time, counted over the steps in the order of the plan: 1 + the index of a step of this
+/// execution; 0 for what the caller did just before it; of the execution before, `period` less.
+using Time = std::int32_t;
+inline Time time_of(std::uint32_t step) { return static_cast<Time>(step) + 1; }
+inline Time period_of(const Plan& plan) { return static_cast<Time>(plan.steps.size()) + 1; }
+
+/// A use that a barrier waits for.
+struct Past {
+    VkPipelineStageFlags2 stages = 0;
+    Time when = 0;
+    std::uint32_t queue = 0;
+
+    bool operator==(const Past&) const = default;
+};
+
+/// What is known of a barrier beside its own fields; one for each of Plan::barriers meanwhile.
+struct Draft {
+    PieceId piece = 0;
+    std::uint32_t step = 0; ///< before which it is executed; the number of steps: at the exit
+    std::uint32_t first_past = 0, past_count = 0; ///< all that it must order before its dst_stages
+    Time from_when = 0;                           ///< when Barrier::from was
+    bool release = false;                         ///< executed after `step`, with the releases
+    bool execution_only = false; ///< nothing becomes available, visible or another layout by it
+    bool dead = false;
+};
+
+/// Marks those dead which order nothing that others do not order, in this execution or across two,
+/// and takes away stages that add nothing. `drafts` must be sorted by step, releases after the
+/// others of a step.
+void prune(Plan& plan, std::vector<Draft>& drafts, const std::vector<Past>& pasts);
+
+} // namespace ockham

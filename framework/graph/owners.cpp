@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "framework/graph/owners.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace ockham {
+
+namespace {
+
+/// Bytes [begin, end) of one heap; the map's key is `begin`.
+struct Segment {
+    std::uint64_t end = 0;
+    ResourceId owner = kNone;
+};
+using Segments = std::map<std::uint64_t, Segment>;
+
+/// The first segment that ends behind `begin`.
+Segments::iterator find(Segments& segments, std::uint64_t begin) {
+    auto segment = segments.upper_bound(begin);
+    if (segment != segments.begin() && std::prev(segment)->second.end > begin) --segment;
+    return segment;
+}
+
+struct Found {
+    ResourceId resource = kNone;
+    Owner owner;
+};
+
+/// Bytes that nobody had used in this execution when `resource` took them.
+struct Gap {
+    std::uint32_t heap = 0;
+    std::uint64_t begin = 0, end = 0;
+    ResourceId resource = kNone;
+};
+
+void take(const Placement& placement, Segments& segments, std::vector<Found>& found,
+    std::vector<Gap>& gaps) {
+    const std::uint64_t begin = placement.offset, end = begin + placement.bytes;
+    std::uint64_t at = begin;
+    for (auto segment = find(segments, begin); segment != segments.end() && segment->first < end;) {
+        const auto [first, rest] = *segment;
+        found.push_back({placement.resource, {rest.owner, false}});
+        if (first > at) gaps.push_back({placement.heap, at, first, placement.resource});
+        at = rest.end;
+        segment = segments.erase(segment);
+        if (first < begin) segments.emplace(first, Segment{begin, rest.owner});
+        if (rest.end > end) segments.emplace(end, Segment{rest.end, rest.owner});
+    }
+    if (at < end) gaps.push_back({placement.heap, at, end, placement.resource});
+    segments.emplace(begin, Segment{end, placement.resource});
+}
+
+} // namespace
+
+Owners::Owners(const Plan& plan) : first_(plan.resources.size() + 1, 0) {
+    std::vector<Segments> heaps(plan.heaps.size());
+    std::vector<Found> found;
+    std::vector<Gap> gaps;
+    for (const Placement& placement : plan.placements)
+        take(placement, heaps[placement.heap], found, gaps);
+    // The execution before left the segments as this one does.
+    for (const Gap& gap : gaps) {
+        Segments& segments = heaps[gap.heap];
+        for (auto segment = find(segments, gap.begin);
+             segment != segments.end() && segment->first < gap.end; ++segment)
+            found.push_back({gap.resource, {segment->second.owner, true}});
+    }
+
+    for (const Found& one : found) ++first_[one.resource + 1];
+    for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    owners_.resize(found.size());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (const Found& one : found) owners_[next[one.resource]++] = one.owner;
+}
+
+} // namespace ockham
