@@ -4,9 +4,8 @@
 #include "framework/graph/compile.hpp"
 #include "framework/graph/describe.hpp"
 #include "framework/graph/explain.hpp"
+#include "framework/graph/timeline.hpp"
 #include "framework/graph/words.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <span>
@@ -21,16 +20,6 @@ const std::string& name_or(const Declaration& declaration, PassId pass, const st
 }
 const std::string kBefore = "(before)";
 const std::string kAfter = "(after)";
-
-std::string description_text(const ResourceDecl& resource) {
-    if (resource.kind == ResourceKind::buffer) return fmt::format("{} B", resource.buffer.bytes);
-    const ImageDesc& image = resource.image;
-    std::string text = fmt::format("{}x{}", image.width, image.height);
-    if (image.depth > 1) text += fmt::format("x{}", image.depth);
-    if (image.layers > 1) text += fmt::format(" {} layers", image.layers);
-    if (image.mips > 1) text += fmt::format(" {} mips", image.mips);
-    return fmt::format("{} {}", text, format_text(image.format));
-}
 
 /// Left-aligned columns, as wide as their widest cell; no blanks at the ends of lines.
 class Table {
@@ -61,10 +50,17 @@ bool is_image(const Declaration& declaration, ResourceId id) {
     return declaration.resources[id].kind == ResourceKind::image;
 }
 
+/// "color", or "color mip 1".
+std::string resource_cell(const Declaration& declaration, const Barrier& barrier) {
+    const ResourceDecl& resource = declaration.resources[barrier.resource];
+    const std::string part = part_text(resource, barrier.part);
+    return part.empty() ? resource.name : fmt::format("{} {}", resource.name, part);
+}
+
 void add_barrier_row(Table& table, const Declaration& declaration, const Barrier& barrier,
     std::vector<std::string> cells) {
     cells.insert(
-        cells.end(), {name_of(barrier.hazard), declaration.resources[barrier.resource].name,
+        cells.end(), {name_of(barrier.hazard), resource_cell(declaration, barrier),
                          name_or(declaration, barrier.from, kBefore),
                          stages_text(barrier.src_stages), access_text(barrier.src_access), "->",
                          stages_text(barrier.dst_stages), access_text(barrier.dst_access)});
@@ -73,31 +69,79 @@ void add_barrier_row(Table& table, const Declaration& declaration, const Barrier
             "{} -> {}", layout_text(barrier.old_layout), layout_text(barrier.new_layout)));
     else if (is_image(declaration, barrier.resource))
         cells.push_back(layout_text(barrier.new_layout));
+    if (barrier.src_family != barrier.dst_family)
+        cells.back() += fmt::format(" (family {} -> {})", barrier.src_family, barrier.dst_family);
     table.add(std::move(cells));
-}
-
-nlohmann::json barrier_json(const Declaration& declaration, const Barrier& barrier) {
-    nlohmann::json json{{"resource", declaration.resources[barrier.resource].name},
-        {"hazard", name_of(barrier.hazard)}, {"from", name_or(declaration, barrier.from, kBefore)},
-        {"to", name_or(declaration, barrier.to, kAfter)},
-        {"src_stages", stages_text(barrier.src_stages)},
-        {"src_access", access_text(barrier.src_access)},
-        {"dst_stages", stages_text(barrier.dst_stages)},
-        {"dst_access", access_text(barrier.dst_access)}};
-    if (is_image(declaration, barrier.resource)) {
-        json["old_layout"] = layout_text(barrier.old_layout);
-        json["new_layout"] = layout_text(barrier.new_layout);
-    }
-    return json;
 }
 
 std::string dot_quoted(const std::string& text) {
     std::string quoted = "\"";
     for (const char c : text) {
         if (c == '"' || c == '\\') quoted += '\\';
-        quoted += c;
+        if (c == '\n')
+            quoted += "\\n";
+        else
+            quoted += c;
     }
     return quoted + '"';
+}
+
+} // namespace
+
+namespace {
+
+/// One row for each step and barrier; the queue too where there are several.
+Table step_table(const Declaration& declaration, const Plan& plan) {
+    const bool several = plan.queues.size() > 1;
+    const auto lead = [&](std::string step, std::string pass, std::string kind, std::string queue) {
+        std::vector<std::string> cells{std::move(step), std::move(pass), std::move(kind)};
+        if (several) cells.push_back(std::move(queue));
+        return cells;
+    };
+    Table table;
+    std::vector<std::string> head = lead("step", "pass", "kind", "queue");
+    for (const char* title : {"barrier", "resource", "from", "src stages", "src access", "",
+             "dst stages", "dst access", "layout"})
+        head.push_back(title);
+    table.add(std::move(head));
+    const std::vector<std::uint32_t> queues = queue_of_steps(plan);
+    for (std::size_t i = 0; i < plan.steps.size(); ++i) {
+        const Step& step = plan.steps[i];
+        const PassDecl& pass = declaration.passes[step.pass];
+        std::vector<std::string> cells =
+            lead(fmt::format("{}", i), pass.name, name_of(pass.kind), fmt::format("{}", queues[i]));
+        if (step.barrier_count + step.release_count == 0) table.add(cells);
+        for (const auto& barriers : {plan.barriers_before(step), plan.releases_after(step)})
+            for (const Barrier& barrier : barriers) {
+                add_barrier_row(table, declaration, barrier, cells);
+                cells = lead("", "", "", "");
+            }
+    }
+    for (const Barrier& barrier : plan.exit_barriers())
+        add_barrier_row(table, declaration, barrier, lead("", kAfter, "", ""));
+    return table;
+}
+
+/// One row for each submission, with what it waits for.
+Table submission_table(const Plan& plan) {
+    Table table;
+    table.add({"submission", "queue", "family", "steps", "waits for submissions"});
+    for (std::size_t i = 0; i < plan.submissions.size(); ++i) {
+        const Submission& one = plan.submissions[i];
+        std::string waits;
+        for (std::uint32_t k = 0; k < one.wait_count; ++k) {
+            const Wait& wait = plan.waits[one.first_wait + k];
+            waits +=
+                fmt::format("{}{}", k ? ", " : "", submission_of(plan, wait.queue, wait.value));
+        }
+        table.add({fmt::format("{}", i), fmt::format("{}", one.queue),
+            fmt::format("{}", plan.queues[one.queue].family),
+            one.step_count
+                ? fmt::format("{}-{}", one.first_step, one.first_step + one.step_count - 1)
+                : "none",
+            waits});
+    }
+    return table;
 }
 
 } // namespace
@@ -105,22 +149,12 @@ std::string dot_quoted(const std::string& text) {
 std::string plan_text(const Declaration& declaration, const Plan& plan) {
     std::string text = summary(declaration, plan);
 
-    Table steps;
-    steps.add({"step", "pass", "kind", "barrier", "resource", "from", "src stages", "src access",
-        "", "dst stages", "dst access", "layout"});
-    for (std::size_t i = 0; i < plan.steps.size(); ++i) {
-        const PassDecl& pass = declaration.passes[plan.steps[i].pass];
-        std::vector<std::string> cells{fmt::format("{}", i), pass.name, name_of(pass.kind)};
-        if (plan.steps[i].barrier_count == 0) steps.add(cells);
-        for (const Barrier& barrier : plan.barriers_before(plan.steps[i])) {
-            add_barrier_row(steps, declaration, barrier, cells);
-            cells = {"", "", ""};
-        }
-    }
-    for (const Barrier& barrier : plan.exit_barriers())
-        add_barrier_row(steps, declaration, barrier, {"", kAfter, ""});
     text += '\n';
-    text += steps.text();
+    text += step_table(declaration, plan).text();
+    if (plan.submissions.size() > 1) {
+        text += '\n';
+        text += submission_table(plan).text();
+    }
 
     Table resources;
     resources.add({"resource", "kind", "lifetime", "content", "memory", "heap", "offset", "steps"});
@@ -128,7 +162,7 @@ std::string plan_text(const Declaration& declaration, const Plan& plan) {
         const ResourceDecl& resource = declaration.resources[placement.resource];
         const bool shared = plan.heaps[placement.heap].shared;
         resources.add({resource.name, name_of(resource.kind), name_of(resource.lifetime),
-            description_text(resource), size_text(placement.bytes),
+            content_text(resource), size_text(placement.bytes),
             fmt::format("{}{}", placement.heap, shared ? "" : " (own)"),
             fmt::format("{}", placement.offset),
             fmt::format("{}-{}", placement.first_step, placement.last_step)});
@@ -137,7 +171,7 @@ std::string plan_text(const Declaration& declaration, const Plan& plan) {
         const ResourceDecl& resource = declaration.resources[i];
         if (resource.lifetime == Lifetime::external && !plan.resources[i].culled)
             resources.add({resource.name, name_of(resource.kind), name_of(resource.lifetime),
-                description_text(resource)});
+                content_text(resource)});
     }
     text += '\n';
     text += resources.text();
@@ -146,12 +180,33 @@ std::string plan_text(const Declaration& declaration, const Plan& plan) {
     return culled.empty() ? text : fmt::format("{}\n{}", text, culled);
 }
 
+namespace {
+
+std::vector<std::uint32_t> queue_of_passes(const Plan& plan) {
+    const std::vector<std::uint32_t> of_steps = queue_of_steps(plan);
+    std::vector<std::uint32_t> queues(plan.passes.size(), 0);
+    for (std::size_t i = 0; i < plan.steps.size(); ++i) queues[plan.steps[i].pass] = of_steps[i];
+    return queues;
+}
+
+/// Name, queue where it is not the main one, and guard, a line each.
+std::string pass_label(
+    const Declaration& declaration, std::size_t pass, const std::vector<std::uint32_t>& queues) {
+    std::string label = declaration.passes[pass].name;
+    if (queues[pass] != 0) label += fmt::format("\n{}", queue_text(queues[pass]));
+    const std::string guard = guard_text(declaration, declaration.passes[pass].guard);
+    return guard.empty() ? label : fmt::format("{}\n{}", label, guard);
+}
+
+} // namespace
+
 std::string plan_dot(const Declaration& declaration, const Plan& plan) {
     std::string text = fmt::format("digraph {} {{\n  rankdir=LR;\n", dot_quoted(declaration.name));
+    const std::vector<std::uint32_t> queues = queue_of_passes(plan);
     const auto style = [](bool culled) { return culled ? ", style=dashed" : ""; };
     for (std::size_t i = 0; i < plan.passes.size(); ++i)
         text += fmt::format("  p{} [shape=box, label={}{}];\n", i,
-            dot_quoted(declaration.passes[i].name), style(plan.passes[i].culled));
+            dot_quoted(pass_label(declaration, i, queues)), style(plan.passes[i].culled));
     for (std::size_t i = 0; i < plan.resources.size(); ++i)
         text += fmt::format("  r{} [shape=ellipse, label={}{}];\n", i,
             dot_quoted(declaration.resources[i].name), style(plan.resources[i].culled));
@@ -167,39 +222,6 @@ std::string plan_dot(const Declaration& declaration, const Plan& plan) {
         }
     }
     return text + "}\n";
-}
-
-nlohmann::json plan_json(const Declaration& declaration, const Plan& plan) {
-    nlohmann::json json{{"passes", nlohmann::json::array()}, {"resources", nlohmann::json::array()},
-        {"barriers", nlohmann::json::array()}};
-    for (std::size_t i = 0; i < plan.passes.size(); ++i)
-        json["passes"].push_back({{"name", declaration.passes[i].name},
-            {"kind", name_of(declaration.passes[i].kind)}, {"culled", plan.passes[i].culled},
-            {"reason", reason_of_pass(declaration, plan, static_cast<PassId>(i))}});
-
-    std::vector<std::uint64_t> bytes(plan.resources.size(), 0);
-    for (const Placement& placement : plan.placements) bytes[placement.resource] = placement.bytes;
-    for (std::size_t i = 0; i < plan.resources.size(); ++i)
-        json["resources"].push_back({{"name", declaration.resources[i].name},
-            {"kind", name_of(declaration.resources[i].kind)},
-            {"lifetime", name_of(declaration.resources[i].lifetime)}, {"bytes", bytes[i]},
-            {"culled", plan.resources[i].culled},
-            {"reason", reason_of_resource(declaration, plan, static_cast<ResourceId>(i))}});
-    for (const Omission& omission : declaration.omissions) {
-        nlohmann::json entry{{"name", omission.name}, {"kind", "omitted"}, {"culled", true},
-            {"reason", fmt::format("omitted: {}", omission.reason)}};
-        if (!omission.is_pass) {
-            entry["lifetime"] = "omitted";
-            entry["bytes"] = 0;
-        }
-        json[omission.is_pass ? "passes" : "resources"].push_back(std::move(entry));
-    }
-    for (const Barrier& barrier : plan.barriers)
-        json["barriers"].push_back(barrier_json(declaration, barrier));
-    json["memory"] = {{"bytes_peak", plan.bytes_peak},
-        {"bytes_lower_bound", plan.bytes_lower_bound}, {"heaps", plan.heaps.size()},
-        {"batches", plan.batches()}, {"compile_us", plan.compile_us}};
-    return json;
 }
 
 } // namespace ockham

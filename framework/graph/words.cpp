@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/graph/words.hpp"
 
+#include "framework/graph/format.hpp"
+
 #include <fmt/format.h>
 
-#include <span>
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace ockham {
 
@@ -23,6 +26,14 @@ std::string join_flags(std::uint64_t flags, Names names) {
     }
     if (flags) text += fmt::format("{}{:#x}", text.empty() ? "" : "+", flags);
     return text.empty() ? "none" : text;
+}
+
+/// "mip 3", "mips 3-5"; empty for all of them.
+std::string range_text(
+    const char* what, std::uint64_t first, std::uint64_t count, std::uint64_t all) {
+    if (count == all) return {};
+    if (count == 1) return fmt::format("{} {}", what, first);
+    return fmt::format("{}s {}-{}", what, first, first + count - 1);
 }
 
 } // namespace
@@ -96,6 +107,49 @@ std::string size_text(std::uint64_t bytes) {
     if (bytes < 1024) return fmt::format("{} B", bytes);
     if (bytes < 1024 * 1024) return fmt::format("{:.1f} KiB", value / 1024);
     return fmt::format("{:.1f} MiB", value / (1024 * 1024));
+}
+
+std::string content_text(const ResourceDecl& resource) {
+    if (resource.kind == ResourceKind::buffer) return fmt::format("{} B", resource.buffer.bytes);
+    const ImageDesc& image = resource.image;
+    std::string text = fmt::format("{}x{}", image.width, image.height);
+    if (image.depth > 1) text += fmt::format("x{}", image.depth);
+    if (image.layers > 1) text += fmt::format(" {} layers", image.layers);
+    if (image.mips > 1) text += fmt::format(" {} mips", image.mips);
+    return fmt::format("{} {}", text, format_text(image.format));
+}
+
+std::string part_text(const ResourceDecl& resource, const Part& part) {
+    if (resource.kind == ResourceKind::buffer)
+        return range_text("byte", part.offset, part.bytes, resource.buffer.bytes);
+    const std::string mips = range_text("mip", part.first_mip, part.mips, resource.image.mips);
+    const std::string layers =
+        range_text("layer", part.first_layer, part.layers, resource.image.layers);
+    return mips + (mips.empty() || layers.empty() ? "" : ", ") + layers;
+}
+
+std::string part_of_text(const ResourceDecl& resource, const Part& part) {
+    const std::string text = part_text(resource, part);
+    return fmt::format("{}{}'{}'", text, text.empty() ? "" : " of ", resource.name);
+}
+
+std::string guard_text(const Declaration& declaration, GuardId guard) {
+    std::vector<std::string> terms;
+    bool first_wanted = true;
+    for (; guard != kNone; guard = declaration.guards[guard].parent) {
+        const Guard& term = declaration.guards[guard];
+        first_wanted = term.wanted;
+        terms.push_back(fmt::format("{} '{}'", term.wanted ? "where" : "unless",
+            declaration.conditions[term.condition].name));
+    }
+    std::reverse(terms.begin(), terms.end());
+    return terms.empty() ? "" : (first_wanted ? "only " : "") + list_text(terms);
+}
+
+std::string list_text(std::span<const std::string> items) {
+    if (items.empty()) return {};
+    if (items.size() == 1) return items[0];
+    return fmt::format("{} and {}", fmt::join(items.first(items.size() - 1), ", "), items.back());
 }
 
 } // namespace ockham

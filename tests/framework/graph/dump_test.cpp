@@ -2,6 +2,7 @@
 #include "framework/graph/dump.hpp"
 #include "framework/graph/explain.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
+#include "tests/framework/graph/two_queues.hpp"
 
 #include <gtest/gtest.h>
 
@@ -61,12 +62,17 @@ step 0: 'draw' is kept: 'reduce' reads its 'color'; the scene has 2 meshes
     first_use: 'draw' begins 'color' anew
     first_use: 'draw' begins 'z' anew
 step 1: 'reduce' is kept: exported 'result' needs it (the answer)
+    after: 'draw' writes 'color' for 'reduce' to read
     read_after_write: 'reduce' reads 'color' as 'draw' left it
     first_use: 'reduce' begins 'result' anew
 
 image 'color', 16.0 KiB: kept: used from 'draw' to 'reduce'
 image 'z', 16.0 KiB: kept: used by 'draw'
 buffer 'result', 256 B: kept: used by 'reduce'; exported (the answer); memory of its own
+
+memory: most lives in step 0 ('draw'), 32.2 KiB: 'color', 'z' and 'result'
+    'color' and 'z' both live in step 0 ('draw')
+    'result' is exported: its content is wanted after the execution
 
 pass 'debug "z"': culled: nothing reads 'unread'
 buffer 'unread': culled: no live pass uses it
@@ -107,22 +113,30 @@ using Keys = std::vector<std::string>;
 TEST(Dump, JsonKeys) {
     const Graph graph = example();
     const nlohmann::json json = plan_json(graph.declaration(), compile(graph.declaration()));
-    EXPECT_EQ(keys(json), (Keys{"barriers", "memory", "passes", "resources"}));
+    EXPECT_EQ(keys(json), (Keys{"barriers", "capabilities", "declaration", "heaps", "memory",
+                              "passes", "policy", "queues", "resources", "submissions", "waits"}));
     for (const auto& pass : json["passes"])
-        EXPECT_EQ(keys(pass), (Keys{"culled", "kind", "name", "reason"}));
-    for (const auto& resource : json["resources"])
-        EXPECT_EQ(keys(resource), (Keys{"bytes", "culled", "kind", "lifetime", "name", "reason"}));
+        EXPECT_EQ(keys(pass),
+            pass["culled"] ? (Keys{"culled", "kind", "name", "reason"})
+                           : (Keys{"after", "culled", "kind", "name", "queue", "reason", "step"}));
+    EXPECT_EQ(keys(json["resources"][0]),
+        (Keys{"bytes", "content", "culled", "first_step", "heap", "kind", "last_step", "lifetime",
+            "name", "offset", "reason"}));
+    EXPECT_EQ(keys(json["resources"][3]), // culled
+        (Keys{"bytes", "content", "culled", "kind", "lifetime", "name", "reason"}));
+    EXPECT_EQ(keys(json["resources"][4]), // omitted
+        (Keys{"bytes", "culled", "kind", "lifetime", "name", "reason"}));
     for (const auto& barrier : json["barriers"]) {
         Keys expected{"dst_access", "dst_stages", "from", "hazard", "new_layout", "old_layout",
-            "resource", "src_access", "src_stages", "to"};
+            "reason", "resource", "src_access", "src_stages", "step", "to"};
         if (barrier["resource"] == "result")
             std::erase_if(expected, [](const std::string& key) {
                 return key.ends_with("layout"); // a buffer has none
             });
         EXPECT_EQ(keys(barrier), expected);
     }
-    EXPECT_EQ(keys(json["memory"]),
-        (Keys{"batches", "bytes_lower_bound", "bytes_peak", "compile_us", "heaps"}));
+    EXPECT_EQ(keys(json["memory"]), (Keys{"batches", "bytes_lower_bound", "bytes_peak",
+                                        "compile_us", "heaps", "peak_live_bytes", "peak_step"}));
 }
 
 TEST(Dump, JsonValues) {
@@ -131,24 +145,54 @@ TEST(Dump, JsonValues) {
     ASSERT_EQ(json["passes"].size(), 4u);
     EXPECT_EQ(json["passes"][1],
         nlohmann::json::parse(R"js({"name": "reduce", "kind": "compute", "culled": false,
-            "reason": "kept: exported 'result' needs it (the answer)"
-})js"));
+            "reason": "kept: exported 'result' needs it (the answer)", "step": 1, "queue": 0,
+            "after": [{"pass": 0, "reason": "'draw' writes 'color' for 'reduce' to read"}]})js"));
     EXPECT_EQ(json["passes"][3],
         nlohmann::json::parse(R"js({"name": "shadows", "kind": "omitted", "culled": true,
             "reason": "omitted: no light casts any"})js"));
     ASSERT_EQ(json["resources"].size(), 5u);
     EXPECT_EQ(json["resources"][0],
         nlohmann::json::parse(R"js({"name": "color", "kind": "image", "lifetime": "transient",
-            "bytes": 16384, "culled": false, "reason": "kept: used from 'draw' to 'reduce'"})js"));
+            "bytes": 16384, "content": "64x64 R32_SFLOAT", "heap": 0, "offset": 0, "first_step": 0,
+            "last_step": 1, "culled": false, "reason": "kept: used from 'draw' to 'reduce'"})js"));
     EXPECT_EQ(json["resources"][4]["name"], "shadow_map");
     ASSERT_EQ(json["barriers"].size(), 4u);
     EXPECT_EQ(json["barriers"][2],
         nlohmann::json::parse(R"js({"resource": "color", "hazard": "read_after_write",
             "from": "draw", "to": "reduce", "src_stages": "color_output",
             "src_access": "color_write", "dst_stages": "compute", "dst_access": "sampled_read",
-            "old_layout": "color", "new_layout": "read_only"})js"));
+            "old_layout": "color", "new_layout": "read_only", "step": 1,
+            "reason": "'reduce' reads 'color' as 'draw' left it"})js"));
     EXPECT_EQ(json["memory"]["bytes_peak"], 33024);
     EXPECT_EQ(json["memory"]["batches"], 2);
+}
+
+TEST(Dump, SeveralQueues) {
+    const auto [graph, plan] = two_queues();
+    EXPECT_EQ(plan_text(graph.declaration(), plan), R"(graph 'two queues': 4 of 4 passes, 7 barriers in 4 batches, 4 submissions to 2 queues, 48.0 KiB (lower bound 48.0 KiB, ratio 1.000)
+
+step  pass     kind     queue  barrier           resource  from      src stages    src access                  dst stages    dst access                  layout
+0     draw     raster   0      first_use         color     (before)  none          none                    ->  color_output  color_read+color_write      undefined -> color
+                               release           color     draw      color_output  color_read+color_write  ->  none          none                        color -> read_only (family 0 -> 1)
+1     light    compute  1      acquire           color     draw      compute       none                    ->  compute       sampled_read                color -> read_only (family 0 -> 1)
+                               first_use         lit       (before)  none          none                    ->  compute       storage_write               undefined -> general
+2     shade    raster   0      first_use         z         (before)  none          none                    ->  depth_tests   depth_read+depth_write      undefined -> depth
+3     compose  compute  0      read_after_write  z         shade     depth_tests   depth_read+depth_write  ->  compute       sampled_read                depth -> read_only
+                               read_after_write  lit       light     compute       storage_write           ->  compute       storage_read+storage_write  general
+
+submission  queue  family  steps  waits for submissions
+0           0      0       0-0
+1           1      1       1-1    0
+2           0      0       2-2
+3           0      0       3-3    1
+
+resource  kind   lifetime   content           memory    heap     offset  steps
+color     image  transient  64x64 R32_SFLOAT  16.0 KiB  0        0       0-1
+lit       image  transient  64x64 R32_SFLOAT  16.0 KiB  1 (own)  0       1-3
+z         image  transient  64x64 D32_SFLOAT  16.0 KiB  0        16384   2-3
+)");
+    EXPECT_NE(
+        plan_dot(graph.declaration(), plan).find(R"(label="light\nqueue 1")"), std::string::npos);
 }
 
 TEST(Dump, EmptyGraph) {
