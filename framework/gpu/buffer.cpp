@@ -16,7 +16,13 @@ VkBufferCreateInfo create_info(const Device& device, const BufferInfo& info) {
         fail_device("buffer '{}' has {} bytes, the device allows {}", info.name, info.bytes,
             device.limits().buffer_bytes);
     }
-    return {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = info.bytes, .usage = info.usage};
+    return {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+        .size = info.bytes,
+        .usage = info.usage,
+        .sharingMode =
+            info.families.empty() ? VK_SHARING_MODE_EXCLUSIVE : VK_SHARING_MODE_CONCURRENT,
+        .queueFamilyIndexCount = static_cast<std::uint32_t>(info.families.size()),
+        .pQueueFamilyIndices = info.families.data()};
 }
 
 VkBuffer create(const Device& device, const BufferInfo& info) {
@@ -46,18 +52,23 @@ Buffer::Buffer(Device& device, const BufferInfo& info, const Memory& memory, std
         fmt::format("binding memory to buffer '{}'", info.name));
 }
 
+Buffer::Buffer(Device& device, const BufferInfo& info, VkBuffer existing)
+    : device_(&device), info_(info), buffer_(existing), owned_(false) {}
+
 Buffer::~Buffer() {
-    if (buffer_) vkDestroyBuffer(device_->handle(), buffer_, nullptr);
+    if (buffer_ && owned_) vkDestroyBuffer(device_->handle(), buffer_, nullptr);
 }
 
 Buffer::Buffer(Buffer&& other) noexcept
     : device_(other.device_), info_(std::move(other.info_)),
-      buffer_(std::exchange(other.buffer_, VK_NULL_HANDLE)), memory_(std::move(other.memory_)) {}
+      buffer_(std::exchange(other.buffer_, VK_NULL_HANDLE)), owned_(other.owned_),
+      memory_(std::move(other.memory_)) {}
 
 Buffer& Buffer::operator=(Buffer&& other) noexcept {
     std::swap(device_, other.device_);
     std::swap(info_, other.info_);
     std::swap(buffer_, other.buffer_);
+    std::swap(owned_, other.owned_);
     std::swap(memory_, other.memory_);
     return *this;
 }

@@ -7,6 +7,7 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 namespace ockham::gpu {
 
@@ -17,6 +18,7 @@ struct BufferInfo {
     VkBufferUsageFlags usage = 0;
     std::string name = {};
     MemoryUse memory = MemoryUse::device;
+    std::vector<std::uint32_t> families = {}; ///< that share it at a time; empty: one owns it
 };
 
 class Buffer {
@@ -25,6 +27,8 @@ public:
     Buffer(Device& device, const BufferInfo& info);
     /// The same on memory of somebody else, which must outlive it, at `offset` bytes inside.
     Buffer(Device& device, const BufferInfo& info, const Memory& memory, std::uint64_t offset);
+    /// A buffer of somebody else, who created it as `info` says and destroys it.
+    Buffer(Device& device, const BufferInfo& info, VkBuffer existing);
     ~Buffer();
     Buffer(Buffer&& other) noexcept;
     Buffer& operator=(Buffer&& other) noexcept;
@@ -42,6 +46,7 @@ private:
     Device* device_ = nullptr;
     BufferInfo info_;
     VkBuffer buffer_ = VK_NULL_HANDLE;
+    bool owned_ = true;
     Memory memory_;
 };
 

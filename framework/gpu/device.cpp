@@ -3,7 +3,6 @@
 
 #include "framework/core/error.hpp"
 #include "framework/core/log.hpp"
-#include "framework/gpu/memory.hpp"
 #include "framework/gpu/pipeline.hpp"
 #include "framework/gpu/selection.hpp"
 
@@ -25,7 +24,7 @@ std::filesystem::path default_cache_dir() {
     return {}; // nowhere to keep it
 }
 
-Limits read_limits(VkPhysicalDevice physical, std::uint32_t queue_family, bool push_descriptors) {
+Limits read_limits(VkPhysicalDevice physical, std::uint32_t timestamp_bits, bool push_descriptors) {
     VkPhysicalDevicePushDescriptorPropertiesKHR push{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PUSH_DESCRIPTOR_PROPERTIES_KHR};
     VkPhysicalDeviceVulkan13Properties v13{
@@ -36,10 +35,6 @@ Limits read_limits(VkPhysicalDevice physical, std::uint32_t queue_family, bool p
     VkPhysicalDeviceProperties2 properties{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &v11};
     vkGetPhysicalDeviceProperties2(physical, &properties);
-    std::uint32_t count = 0;
-    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
-    std::vector<VkQueueFamilyProperties> families(count);
-    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
     const VkPhysicalDeviceLimits& l = properties.properties.limits;
     return {.image_extent = l.maxImageDimension2D,
         .attachment_extent = std::min({l.maxImageDimension2D, l.maxFramebufferWidth,
@@ -55,7 +50,7 @@ Limits read_limits(VkPhysicalDevice physical, std::uint32_t queue_family, bool p
         .push_descriptors = push_descriptors ? push.maxPushDescriptors : 0,
         .buffer_image_granularity = std::max<std::uint64_t>(l.bufferImageGranularity, 1),
         .timestamp_period_ns = static_cast<double>(l.timestampPeriod),
-        .timestamp_bits = families[queue_family].timestampValidBits,
+        .timestamp_bits = timestamp_bits,
         .anisotropy = l.maxSamplerAnisotropy};
 }
 
@@ -118,14 +113,7 @@ Device::Device(const DeviceOptions& options)
     const Instance instance = create_instance(options.validation, *validation_log_);
     instance_ = instance.handle;
     try {
-        if (instance.debug_utils) {
-            debug_.set_name =
-                load<PFN_vkSetDebugUtilsObjectNameEXT>(instance_, "vkSetDebugUtilsObjectNameEXT");
-            debug_.begin_label =
-                load<PFN_vkCmdBeginDebugUtilsLabelEXT>(instance_, "vkCmdBeginDebugUtilsLabelEXT");
-            debug_.end_label =
-                load<PFN_vkCmdEndDebugUtilsLabelEXT>(instance_, "vkCmdEndDebugUtilsLabelEXT");
-        }
+        if (instance.debug_utils) load_debug_functions();
         if (instance.debug_utils && options.validation != Validation::off) {
             const auto create_messenger = load<PFN_vkCreateDebugUtilsMessengerEXT>(
                 instance_, "vkCreateDebugUtilsMessengerEXT");
@@ -140,44 +128,124 @@ Device::Device(const DeviceOptions& options)
     }
 }
 
+Device::Device(const ExternalDevice& external, const DeviceOptions& options)
+    : options_(options), validation_log_(std::make_unique<ValidationLog>()), owned_(false) {
+    check(options.gpu.empty() && options.validation == Validation::off,
+        "an external device was chosen, and validation switched on, by its owner");
+    try {
+        adopt(external);
+    } catch (...) {
+        destroy();
+        throw;
+    }
+}
+
+void Device::load_debug_functions() {
+    debug_.set_name =
+        load<PFN_vkSetDebugUtilsObjectNameEXT>(instance_, "vkSetDebugUtilsObjectNameEXT");
+    debug_.begin_label =
+        load<PFN_vkCmdBeginDebugUtilsLabelEXT>(instance_, "vkCmdBeginDebugUtilsLabelEXT");
+    debug_.end_label =
+        load<PFN_vkCmdEndDebugUtilsLabelEXT>(instance_, "vkCmdEndDebugUtilsLabelEXT");
+}
+
 void Device::create(VkPhysicalDevice physical) {
     physical_ = physical;
-    queue_family_ = find_queue_family(physical).value();
     info_ = read_info(physical);
+    families_ = list_families(physical);
+    queue_family_ = find_queue_family(families_).value();
 
     const char* force = std::getenv("OCKHAM_FORCE_DESCRIPTOR_SETS");
     // Instrumented shaders take pushed descriptors for uninitialised ones (layer 1.3.239).
     const bool forced = options_.force_descriptor_sets || options_.validation == Validation::gpu ||
                         (force && std::strcmp(force, "1") == 0);
     const bool pushes = !forced && has_push_descriptors(physical);
-    limits_ = read_limits(physical, queue_family_, pushes);
 
     Features wanted;
     choose_features(physical, wanted);
+    create_device(wanted, pushes);
+    open(pushes);
     if (!wanted.v10.features.samplerAnisotropy) limits_.anisotropy = 1;
+}
 
-    const float priority = 1;
-    const VkDeviceQueueCreateInfo queue{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-        .queueFamilyIndex = queue_family_,
-        .queueCount = 1,
-        .pQueuePriorities = &priority};
+void Device::create_device(const Features& features, bool pushes) {
+    // Two of the main family, of which the second may compute beside the first, and one of each
+    // other family that can compute or copy.
+    constexpr float kPriorities[] = {1, 1};
+    std::vector<VkDeviceQueueCreateInfo> queues;
+    for (std::uint32_t i = 0; i < families_.size(); ++i) {
+        FamilyInfo& family = families_[i];
+        const std::uint32_t wanted = i == queue_family_ ? 2 : family.transfer ? 1 : 0;
+        family.queues = std::min(wanted, family.queues);
+        if (family.queues == 0) continue;
+        queues.push_back({.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+            .queueFamilyIndex = i,
+            .queueCount = family.queues,
+            .pQueuePriorities = kPriorities});
+    }
     const char* extension = VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME;
     const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-        .pNext = &wanted.v10,
-        .queueCreateInfoCount = 1,
-        .pQueueCreateInfos = &queue,
+        .pNext = &features.v10,
+        .queueCreateInfoCount = static_cast<std::uint32_t>(queues.size()),
+        .pQueueCreateInfos = queues.data(),
         .enabledExtensionCount = pushes ? 1u : 0u,
         .ppEnabledExtensionNames = &extension};
-    expect(vkCreateDevice(physical, &info, nullptr, &device_),
+    expect(vkCreateDevice(physical_, &info, nullptr, &device_),
         fmt::format("creating a device on '{}'", info_.name));
-    vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+    for (const VkDeviceQueueCreateInfo& family : queues) {
+        for (std::uint32_t i = 0; i < family.queueCount; ++i) {
+            VkQueue& queue = queues_[{family.queueFamilyIndex, i}];
+            vkGetDeviceQueue(device_, family.queueFamilyIndex, i, &queue);
+        }
+    }
+}
+
+void Device::adopt(const ExternalDevice& external) {
+    instance_ = external.instance;
+    physical_ = external.physical;
+    info_ = read_info(physical_);
+    Features enabled;
+    read_features(external.features, enabled);
+    const std::vector<std::string> missing = missing_features(enabled);
+    if (!missing.empty()) {
+        fail_device("the device on '{}' that was handed over lacks features: {}; enable them in "
+                    "vkCreateDevice and name the chain in ExternalDevice::features",
+            info_.name, fmt::join(missing, ", "));
+    }
+    families_ = list_families(physical_);
+    for (FamilyInfo& family : families_) family.queues = 0;
+    for (const ExternalQueue& queue : external.queues) {
+        check(queue.family < families_.size(), "an external queue is of no family of its device");
+        queues_[{queue.family, families_[queue.family].queues++}] = queue.handle;
+    }
+    const FamilyInfo main =
+        external.queues.empty() ? FamilyInfo{} : families_[external.queues.front().family];
+    if (!main.graphics || !main.compute) {
+        fail_device("the first queue of the device on '{}' that was handed over must have graphics "
+                    "and compute",
+            info_.name);
+    }
+    queue_family_ = external.queues.front().family;
+    if (external.queue_mutex) queue_mutex_ = external.queue_mutex;
+    device_ = external.device;
+    if (external.debug_utils) load_debug_functions();
+    const bool pushes = !options_.force_descriptor_sets &&
+                        std::ranges::find(external.extensions,
+                            VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME) != external.extensions.end();
+    open(pushes);
+    if (!enabled.v10.features.samplerAnisotropy) limits_.anisotropy = 1;
+}
+
+/// What follows once there are a device and its queues.
+void Device::open(bool pushes) {
+    limits_ = read_limits(physical_, families_[queue_family_].timestamp_bits, pushes);
     if (pushes) {
         push_descriptor_set_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
             vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));
     }
-    const std::uint64_t budget =
-        options_.memory_budget_bytes ? options_.memory_budget_bytes : device_memory_bytes(physical);
-    allocator_ = std::make_unique<Allocator>(physical, device_, budget);
+    const std::uint64_t budget = options_.memory_budget_bytes ? options_.memory_budget_bytes
+                                                              : device_memory_bytes(physical_);
+    allocator_ = std::make_unique<Allocator>(physical_, device_, budget, options_.memory_hook);
     pipelines_ = std::make_unique<Pipelines>(
         *this, options_.cache_dir.empty() ? default_cache_dir() : options_.cache_dir);
     log::debug("device: {}, {}", info_.name, info_.driver_version);
@@ -187,12 +255,13 @@ Device::~Device() { destroy(); }
 
 void Device::destroy() {
     if (device_) {
-        vkDeviceWaitIdle(device_);
+        if (owned_) vkDeviceWaitIdle(device_);
         pipelines_.reset();
         for (const auto& [key, sampler] : samplers_) vkDestroySampler(device_, sampler, nullptr);
         allocator_.reset();
-        vkDestroyDevice(device_, nullptr);
     }
+    if (!owned_) return;
+    if (device_) vkDestroyDevice(device_, nullptr);
     if (messenger_) {
         load<PFN_vkDestroyDebugUtilsMessengerEXT>(instance_, "vkDestroyDebugUtilsMessengerEXT")(
             instance_, messenger_, nullptr);
@@ -223,20 +292,60 @@ VkFormatFeatureFlags Device::format_features(VkFormat format) const {
     return properties.optimalTilingFeatures;
 }
 
+void Device::submit(const QueueSubmission& submission, std::string_view what) {
+    const VkQueue queue = queues_.at(submission.queue);
+    const auto count = static_cast<std::uint32_t>(submission.commands.size());
+    VkResult result = VK_SUCCESS;
+    if (submission.waits.empty() && submission.signals.empty()) {
+        // The older call: the layer's checks across command buffers see nothing else.
+        const VkSubmitInfo info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+            .commandBufferCount = count,
+            .pCommandBuffers = submission.commands.data()};
+        const std::lock_guard lock(*queue_mutex_);
+        result = vkQueueSubmit(queue, 1, &info, submission.fence);
+    } else {
+        const auto convert = [](std::span<const TimelinePoint> points) {
+            std::vector<VkSemaphoreSubmitInfo> infos;
+            for (const TimelinePoint& point : points) {
+                infos.push_back({.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                    .semaphore = point.semaphore,
+                    .value = point.value,
+                    .stageMask = point.stages});
+            }
+            return infos;
+        };
+        const std::vector<VkSemaphoreSubmitInfo> waits = convert(submission.waits);
+        const std::vector<VkSemaphoreSubmitInfo> signals = convert(submission.signals);
+        std::vector<VkCommandBufferSubmitInfo> commands;
+        for (const VkCommandBuffer buffer : submission.commands) {
+            commands.push_back(
+                {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO, .commandBuffer = buffer});
+        }
+        const VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+            .waitSemaphoreInfoCount = static_cast<std::uint32_t>(waits.size()),
+            .pWaitSemaphoreInfos = waits.data(),
+            .commandBufferInfoCount = count,
+            .pCommandBufferInfos = commands.data(),
+            .signalSemaphoreInfoCount = static_cast<std::uint32_t>(signals.size()),
+            .pSignalSemaphoreInfos = signals.data()};
+        const std::lock_guard lock(*queue_mutex_);
+        result = vkQueueSubmit2(queue, 1, &info, submission.fence);
+    }
+    expect(result, fmt::format("submitting '{}' to '{}'", what, info_.name));
+}
+
 void Device::submit(std::span<const VkCommandBuffer> commands, std::string_view what) {
     const VkFenceCreateInfo fence_info{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
     VkFence fence = VK_NULL_HANDLE;
     expect(vkCreateFence(device_, &fence_info, nullptr, &fence), "creating a fence");
-    // The older call: the layer's checks across command buffers are surest there.
-    const VkSubmitInfo info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
-        .commandBufferCount = static_cast<std::uint32_t>(commands.size()),
-        .pCommandBuffers = commands.data()};
     VkResult result = VK_SUCCESS;
-    {
-        const std::lock_guard lock(queue_mutex_);
-        result = vkQueueSubmit(queue_, 1, &info, fence);
+    try {
+        submit({.queue = main_queue(), .commands = commands, .fence = fence}, what);
+        result = vkWaitForFences(device_, 1, &fence, VK_TRUE, UINT64_MAX);
+    } catch (...) {
+        vkDestroyFence(device_, fence, nullptr);
+        throw;
     }
-    if (result == VK_SUCCESS) result = vkWaitForFences(device_, 1, &fence, VK_TRUE, UINT64_MAX);
     vkDestroyFence(device_, fence, nullptr);
     expect(result, fmt::format("executing '{}' on '{}'", what, info_.name));
 }

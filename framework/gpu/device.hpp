@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// One logical Vulkan device with one queue, headless: no surface, no window. Chooses the physical
-// device by score and says why each of the others was refused. Owns what all graphs on it share:
-// memory, pipelines, samplers. Programs create one; Executor and uploads take a reference.
+// One logical Vulkan device, headless: no surface, no window. Chooses the physical device by score
+// and says why each of the others was refused, or stands on handles that the caller has. Owns what
+// all graphs on it share: queues, memory, pipelines, samplers. Executor and uploads refer to it.
 #pragma once
 
 #include "framework/gpu/debug.hpp"
+#include "framework/gpu/memory.hpp"
+#include "framework/gpu/queue.hpp"
 
 #include <array>
 #include <cstdint>
@@ -21,8 +23,8 @@
 
 namespace ockham::gpu {
 
-class Allocator;
 class Pipelines;
+struct Features;
 
 struct DeviceOptions {
     /// Index in list_gpus(), or part of a name, case ignored; empty: the best score.
@@ -35,6 +37,31 @@ struct DeviceOptions {
     /// Descriptor sets from pools even where push descriptors exist; also by the environment:
     /// OCKHAM_FORCE_DESCRIPTOR_SETS=1.
     bool force_descriptor_sets = false;
+    /// Where device memory comes from; empty: from Vulkan.
+    MemoryHook memory_hook = {};
+};
+
+/// A queue of an embedder.
+struct ExternalQueue {
+    VkQueue handle = VK_NULL_HANDLE;
+    std::uint32_t family = 0;
+};
+
+/// Handles of an embedder, who keeps them alive and destroys them. What was enabled cannot be asked
+/// of Vulkan, so the embedder states it.
+struct ExternalDevice {
+    VkInstance instance = VK_NULL_HANDLE; ///< made for Vulkan 1.3 or later
+    VkPhysicalDevice physical = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    /// Those that graphs may use; the first has graphics and compute and is the main one.
+    std::vector<ExternalQueue> queues;
+    /// The chain given to vkCreateDevice, from VkPhysicalDeviceFeatures2 or any other struct on.
+    const void* features = nullptr;
+    std::vector<std::string> extensions = {}; ///< of the device, that were enabled
+    bool debug_utils = false;                 ///< VK_EXT_debug_utils was enabled
+    /// Held during each use of a queue, so that the embedder may use them from other threads. Null:
+    /// the embedder does not, while this device submits.
+    std::mutex* queue_mutex = nullptr;
 };
 
 /// For statistics and picture metadata.
@@ -59,8 +86,8 @@ struct Limits {
     std::uint32_t push_descriptors = 0;    ///< 0: none
     std::uint64_t buffer_image_granularity = 1;
     double timestamp_period_ns = 1;
-    std::uint32_t timestamp_bits = 0;
-    float anisotropy = 1; ///< 1: none
+    std::uint32_t timestamp_bits = 0; ///< of the main queue family
+    float anisotropy = 1;             ///< 1: none
 };
 
 class Device {
@@ -68,7 +95,11 @@ public:
     /// Throws Error(device) where there is no driver, no device that fits (with every device and
     /// what it lacks), or no validation layer although asked for.
     explicit Device(const DeviceOptions& options = {});
-    /// Waits for the queue; everything made from this device must be gone by then.
+    /// On the caller's handles; `options` name no GPU and no validation. Throws Error(device) that
+    /// lists required features that were not enabled, and queues that cannot serve.
+    explicit Device(const ExternalDevice& external, const DeviceOptions& options = {});
+    /// Waits for its own queues; everything made from this device must be gone by then. Of an
+    /// external device, what was recorded must have been executed.
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
@@ -89,19 +120,28 @@ public:
     /// Features of a format with optimal tiling.
     VkFormatFeatureFlags format_features(VkFormat format) const;
 
-    /// Submits in order and waits until all are done. Throws Error(device) naming `what`.
+    /// Queue families by Vulkan's index, with the queues that this device has of each.
+    std::span<const FamilyInfo> families() const { return families_; }
+    QueueId main_queue() const { return {queue_family_, 0}; }
+    /// Returns at once. Throws Error(device) naming `what`. Safe to call from several threads.
+    void submit(const QueueSubmission& submission, std::string_view what);
+    /// Submits to the main queue in order and waits until all are done.
     void submit(std::span<const VkCommandBuffer> commands, std::string_view what);
     /// Records with `record` into a fresh command buffer, submits it and waits.
     void run(const std::string& what, const std::function<void(VkCommandBuffer)>& record);
 
     VkPhysicalDevice physical() const { return physical_; }
     VkDevice handle() const { return device_; }
-    std::uint32_t queue_family() const { return queue_family_; }
+    std::uint32_t queue_family() const { return queue_family_; } ///< of the main queue
     const DebugFunctions& debug() const { return debug_; }
     PFN_vkCmdPushDescriptorSetKHR push_descriptor_set() const { return push_descriptor_set_; }
 
 private:
     void create(VkPhysicalDevice physical);
+    void create_device(const Features& features, bool pushes);
+    void adopt(const ExternalDevice& external);
+    void load_debug_functions();
+    void open(bool pushes);
     void destroy();
 
     DeviceOptions options_;
@@ -114,9 +154,12 @@ private:
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkDevice device_ = VK_NULL_HANDLE;
-    VkQueue queue_ = VK_NULL_HANDLE;
+    bool owned_ = true; ///< instance and device
     std::uint32_t queue_family_ = 0;
-    std::mutex queue_mutex_;
+    std::vector<FamilyInfo> families_;
+    std::map<QueueId, VkQueue> queues_;
+    std::mutex own_queue_mutex_;
+    std::mutex* queue_mutex_ = &own_queue_mutex_; ///< for all queues
     std::mutex sampler_mutex_;
     std::map<std::pair<VkFilter, VkSamplerAddressMode>, VkSampler> samplers_;
     std::unique_ptr<Allocator> allocator_;

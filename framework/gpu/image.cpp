@@ -6,7 +6,11 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include <algorithm>
 #include <cstring>
+#include <map>
+#include <mutex>
+#include <utility>
 
 namespace ockham::gpu {
 
@@ -50,7 +54,11 @@ VkImageCreateInfo create_info(const Device& device, const ImageInfo& info) {
         .arrayLayers = info.layers,
         .samples = VK_SAMPLE_COUNT_1_BIT,
         .tiling = VK_IMAGE_TILING_OPTIMAL,
-        .usage = info.usage};
+        .usage = info.usage,
+        .sharingMode =
+            info.families.empty() ? VK_SHARING_MODE_EXCLUSIVE : VK_SHARING_MODE_CONCURRENT,
+        .queueFamilyIndexCount = static_cast<std::uint32_t>(info.families.size()),
+        .pQueueFamilyIndices = info.families.data()};
     const VkPhysicalDeviceImageFormatInfo2 query{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_IMAGE_FORMAT_INFO_2,
         .format = create.format,
@@ -83,7 +91,19 @@ VkImageCreateInfo create_info(const Device& device, const ImageInfo& info) {
 
 } // namespace
 
-Image::Image(Device* device, const ImageInfo& info) : device_(device), info_(info) {
+/// The views made so far, by type and range.
+class Image::Views {
+public:
+    Views() = default;
+    Views(const Views&) = delete;
+    Views& operator=(const Views&) = delete;
+
+    std::mutex mutex;
+    std::map<std::pair<VkImageViewType, ImageRange>, VkImageView> made;
+};
+
+Image::Image(Device* device, const ImageInfo& info)
+    : device_(device), info_(info), views_(std::make_unique<Views>()) {
     const VkImageCreateInfo create = create_info(*device, info);
     expect(vkCreateImage(device->handle(), &create, nullptr, &image_),
         fmt::format(
@@ -104,20 +124,28 @@ Image::Image(Device& device, const ImageInfo& info, const Memory& memory, std::u
         fmt::format("binding memory to image '{}'", info.name));
 }
 
+Image::Image(Device& device, const ImageInfo& info, VkImage existing)
+    : device_(&device), info_(info), image_(existing), owned_(false),
+      views_(std::make_unique<Views>()) {}
+
 Image::~Image() {
-    for (const auto& [key, view] : views_) vkDestroyImageView(device_->handle(), view, nullptr);
-    if (image_) vkDestroyImage(device_->handle(), image_, nullptr);
+    if (!views_) return; // moved from
+    for (const auto& [key, view] : views_->made) {
+        vkDestroyImageView(device_->handle(), view, nullptr);
+    }
+    if (image_ && owned_) vkDestroyImage(device_->handle(), image_, nullptr);
 }
 
 Image::Image(Image&& other) noexcept
     : device_(other.device_), info_(std::move(other.info_)),
-      image_(std::exchange(other.image_, VK_NULL_HANDLE)), memory_(std::move(other.memory_)),
-      views_(std::exchange(other.views_, {})) {}
+      image_(std::exchange(other.image_, VK_NULL_HANDLE)), owned_(other.owned_),
+      memory_(std::move(other.memory_)), views_(std::move(other.views_)) {}
 
 Image& Image::operator=(Image&& other) noexcept {
     std::swap(device_, other.device_);
     std::swap(info_, other.info_);
     std::swap(image_, other.image_);
+    std::swap(owned_, other.owned_);
     std::swap(memory_, other.memory_);
     std::swap(views_, other.views_);
     return *this;
@@ -127,17 +155,23 @@ VkImageAspectFlags Image::aspect() const {
     return is_depth(info_.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
-VkImageView Image::view(VkImageViewType type, bool all_mips) const {
-    VkImageView& view = views_[{type, all_mips}];
+VkImageSubresourceRange Image::subresources(const ImageRange& range) const {
+    return {.aspectMask = aspect(),
+        .baseMipLevel = range.first_mip,
+        .levelCount = std::min(range.mips, info_.mips - range.first_mip),
+        .baseArrayLayer = range.first_layer,
+        .layerCount = std::min(range.layers, info_.layers - range.first_layer)};
+}
+
+VkImageView Image::view(VkImageViewType type, const ImageRange& range) const {
+    const std::lock_guard lock(views_->mutex);
+    VkImageView& view = views_->made[{type, range}];
     if (view) return view;
-    const bool arrayed = type == VK_IMAGE_VIEW_TYPE_2D_ARRAY;
     const VkImageViewCreateInfo create{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = image_,
         .viewType = type,
         .format = info_.format,
-        .subresourceRange = {.aspectMask = aspect(),
-            .levelCount = all_mips ? info_.mips : 1,
-            .layerCount = arrayed ? info_.layers : 1}};
+        .subresourceRange = subresources(range)};
     expect(vkCreateImageView(device_->handle(), &create, nullptr, &view),
         fmt::format("creating a view of image '{}'", info_.name));
     set_name(*device_, VK_OBJECT_TYPE_IMAGE_VIEW, view, info_.name);
@@ -165,6 +199,11 @@ std::string name_of(VkFormat format) {
     return row ? row->name : fmt::format("VkFormat {}", static_cast<int>(format));
 }
 
+VkExtent3D mip_extent(const ImageInfo& info, std::uint32_t mip) {
+    return {std::max(info.width >> mip, 1u), std::max(info.height >> mip, 1u),
+        std::max(info.depth >> mip, 1u)};
+}
+
 VkClearValue clear_value(VkFormat format, const std::array<float, 4>& value) {
     VkClearValue result{};
     if (is_depth(format)) {
@@ -185,10 +224,9 @@ VkClearValue clear_value(VkFormat format, const std::array<float, 4>& value) {
     return result;
 }
 
-void clear(VkCommandBuffer commands, const Image& image, const std::array<float, 4>& value) {
-    const VkImageSubresourceRange range{.aspectMask = image.aspect(),
-        .levelCount = image.info().mips,
-        .layerCount = image.info().layers};
+void clear(VkCommandBuffer commands, const Image& image, const std::array<float, 4>& value,
+    const ImageRange& part) {
+    const VkImageSubresourceRange range = image.subresources(part);
     const VkClearValue converted = clear_value(image.info().format, value);
     constexpr VkImageLayout layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
     if (image.aspect() & VK_IMAGE_ASPECT_DEPTH_BIT) {

@@ -6,10 +6,9 @@
 #include "framework/gpu/memory.hpp"
 
 #include <array>
-#include <map>
+#include <memory>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace ockham::gpu {
@@ -25,7 +24,16 @@ struct ImageInfo {
     std::uint32_t mips = 1;
     VkImageUsageFlags usage = 0;
     std::string name = {};
-    bool aliased = false; ///< shares its memory with other images over time
+    bool aliased = false;                     ///< shares its memory with other images over time
+    std::vector<std::uint32_t> families = {}; ///< that share it at a time; empty: one owns it
+};
+
+/// Mips and layers of an image, all by default.
+struct ImageRange {
+    std::uint32_t first_mip = 0, mips = VK_REMAINING_MIP_LEVELS;
+    std::uint32_t first_layer = 0, layers = VK_REMAINING_ARRAY_LAYERS;
+
+    auto operator<=>(const ImageRange&) const = default;
 };
 
 class Image {
@@ -35,6 +43,8 @@ public:
     Image(Device& device, const ImageInfo& info);
     /// The same on memory of somebody else, which must outlive it, at `offset` bytes inside.
     Image(Device& device, const ImageInfo& info, const Memory& memory, std::uint64_t offset);
+    /// An image of somebody else, who created it as `info` says and destroys it.
+    Image(Device& device, const ImageInfo& info, VkImage existing);
     ~Image();
     Image(Image&& other) noexcept;
     Image& operator=(Image&& other) noexcept;
@@ -43,18 +53,20 @@ public:
     const ImageInfo& info() const { return info_; }
     const std::string& name() const { return info_.name; }
     VkImageAspectFlags aspect() const;
-    /// All layers (one for a 2D view), and all mips or the first. Made when first asked for; one
-    /// thread at a time.
-    VkImageView view(VkImageViewType type, bool all_mips) const;
+    VkImageSubresourceRange subresources(const ImageRange& range = {}) const;
+    /// Made when first asked for; safe to call from several threads. A 2D view has one layer.
+    VkImageView view(VkImageViewType type, const ImageRange& range = {}) const;
 
 private:
+    class Views;
     Image(Device* device, const ImageInfo& info); // no memory yet
 
     Device* device_ = nullptr;
     ImageInfo info_;
     VkImage image_ = VK_NULL_HANDLE;
+    bool owned_ = true;
     Memory memory_;
-    mutable std::map<std::pair<VkImageViewType, bool>, VkImageView> views_;
+    std::unique_ptr<Views> views_;
 };
 
 /// What an image like this takes on this device. Throws as the constructor does.
@@ -78,8 +90,11 @@ std::string name_of(VkFormat format);
 
 /// Four channels, converted to the format's kind of number, or depth from the first.
 VkClearValue clear_value(VkFormat format, const std::array<float, 4>& value);
-/// Clears all mips and layers; the image is in TRANSFER_DST_OPTIMAL.
-void clear(VkCommandBuffer commands, const Image& image, const std::array<float, 4>& value);
+/// The range must be in TRANSFER_DST_OPTIMAL.
+void clear(VkCommandBuffer commands, const Image& image, const std::array<float, 4>& value,
+    const ImageRange& range = {});
+/// Size of a mip, >= 1 in each axis.
+VkExtent3D mip_extent(const ImageInfo& info, std::uint32_t mip);
 
 /// Texels of one mip of one layer as floats, channels interleaved: unorm in [0,1], integers by
 /// value (32-bit ones rounded to float), halves exactly, sRGB left encoded.

@@ -46,10 +46,13 @@ Memory& Memory::operator=(Memory&& other) noexcept {
 }
 
 VkDeviceMemory Memory::handle() const { return block_->memory; }
+std::uint32_t Memory::type() const { return block_->type; }
 std::byte* Memory::mapped() const { return block_->mapped ? block_->mapped + offset_ : nullptr; }
 
-Allocator::Allocator(VkPhysicalDevice physical, VkDevice device, std::uint64_t budget_bytes)
-    : device_(device), budget_bytes_(budget_bytes) {
+Allocator::Allocator(
+    VkPhysicalDevice physical, VkDevice device, std::uint64_t budget_bytes, MemoryHook hook)
+    : device_(device), hook_(std::move(hook)), budget_bytes_(budget_bytes) {
+    check(!hook_.allocate == !hook_.free, "a memory hook needs both of its functions");
     vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(physical, &properties);
@@ -96,13 +99,14 @@ MemoryBlock& Allocator::add_block(
     block->type = type;
     block->use = use;
     block->free.emplace(0, bytes);
-    expect(vkAllocateMemory(device_, &info, nullptr, &block->memory),
+    expect(hook_.allocate ? hook_.allocate(info, block->memory)
+                          : vkAllocateMemory(device_, &info, nullptr, &block->memory),
         fmt::format("allocating {:.1f} MiB of GPU memory for '{}' (in use: {:.1f} MiB)", mib(bytes),
             name, mib(bytes_used_)));
     if (use != MemoryUse::device) {
         void* mapped = nullptr;
         const VkResult result = vkMapMemory(device_, block->memory, 0, VK_WHOLE_SIZE, 0, &mapped);
-        if (result != VK_SUCCESS) vkFreeMemory(device_, block->memory, nullptr);
+        if (result != VK_SUCCESS) free(block->memory);
         expect(result, fmt::format("mapping {:.1f} MiB for '{}'", mib(bytes), name));
         block->mapped = static_cast<std::byte*>(mapped);
     }
@@ -159,6 +163,14 @@ Memory Allocator::allocate(
     return result;
 }
 
+void Allocator::free(VkDeviceMemory memory) const {
+    if (hook_.free) {
+        hook_.free(memory);
+    } else {
+        vkFreeMemory(device_, memory, nullptr);
+    }
+}
+
 void Allocator::release(Memory& memory) {
     const std::lock_guard lock(mutex_);
     MemoryBlock& block = *memory.block_;
@@ -178,7 +190,7 @@ void Allocator::release(Memory& memory) {
     bytes_used_ -= memory.bytes_;
     if (block.free.size() == 1 && block.free.begin()->second == block.bytes) {
         bytes_reserved_ -= block.bytes;
-        vkFreeMemory(device_, block.memory, nullptr);
+        free(block.memory);
         std::erase_if(blocks_, [&](const auto& other) { return other.get() == &block; });
     }
     memory.allocator_ = nullptr;

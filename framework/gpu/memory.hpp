@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -18,6 +19,14 @@ namespace ockham::gpu {
 
 /// device: fastest for shaders. upload: mapped, written by the host. readback: mapped, cached.
 enum class MemoryUse { device, upload, readback };
+
+/// Where blocks of memory come from: an embedder's own allocator. Both or neither are set; they are
+/// called under the allocator's lock, `bytes` being 64 MiB or the size of something larger than
+/// half of that.
+struct MemoryHook {
+    std::function<VkResult(const VkMemoryAllocateInfo& info, VkDeviceMemory& memory)> allocate = {};
+    std::function<void(VkDeviceMemory memory)> free = {};
+};
 
 class Allocator;
 struct MemoryBlock;
@@ -33,6 +42,7 @@ public:
     VkDeviceMemory handle() const;
     std::uint64_t offset() const { return offset_; }
     std::uint64_t bytes() const { return bytes_; }
+    std::uint32_t type() const; ///< index of the memory type
     /// Where the host sees it; null for MemoryUse::device. Coherent: no flush is needed.
     std::byte* mapped() const;
 
@@ -49,8 +59,9 @@ class Allocator {
 public:
     static constexpr std::uint64_t kBlockBytes = std::uint64_t{64} << 20;
 
-    /// `budget_bytes` 0 = no limit.
-    Allocator(VkPhysicalDevice physical, VkDevice device, std::uint64_t budget_bytes);
+    /// `budget_bytes` 0 = no limit. `hook` empty: vkAllocateMemory.
+    Allocator(VkPhysicalDevice physical, VkDevice device, std::uint64_t budget_bytes,
+        MemoryHook hook = {});
     ~Allocator();
 
     /// Throws Error(device) naming `name` with the numbers where budget or device is exhausted, or
@@ -64,11 +75,13 @@ public:
 private:
     friend class Memory;
     void release(Memory& memory);
+    void free(VkDeviceMemory memory) const;
     std::uint32_t memory_type(std::uint32_t bits, MemoryUse use, std::string_view name) const;
     MemoryBlock& add_block(
         std::uint32_t type, MemoryUse use, std::uint64_t bytes, std::string_view name);
 
     VkDevice device_;
+    MemoryHook hook_;
     VkPhysicalDeviceMemoryProperties properties_{};
     std::uint64_t granularity_ = 1;
     std::uint64_t budget_bytes_;

@@ -66,6 +66,7 @@ constexpr Feature<VkPhysicalDeviceFeatures> kFeatures10[] = {
 };
 constexpr Feature<VkPhysicalDeviceVulkan12Features> kFeatures12[] = {
     {"scalarBlockLayout", &VkPhysicalDeviceVulkan12Features::scalarBlockLayout, true},
+    {"timelineSemaphore", &VkPhysicalDeviceVulkan12Features::timelineSemaphore, true},
 };
 constexpr Feature<VkPhysicalDeviceVulkan13Features> kFeatures13[] = {
     {"synchronization2", &VkPhysicalDeviceVulkan13Features::synchronization2, true},
@@ -121,7 +122,7 @@ Candidate rate(VkPhysicalDevice physical) {
                 VK_API_VERSION_MINOR(properties.apiVersion)));
         return candidate; // the newer structs must not be asked for
     }
-    if (!find_queue_family(physical)) {
+    if (!find_queue_family(list_families(physical))) {
         candidate.refusals.push_back("no queue with graphics, compute and timestamps");
     }
     Features features;
@@ -213,15 +214,84 @@ void choose_features(VkPhysicalDevice physical, Features& features) {
     });
 }
 
-std::optional<std::uint32_t> find_queue_family(VkPhysicalDevice physical) {
+void read_features(const void* chain, Features& features) {
+    const auto copy = [&](const auto& from, auto& to) {
+        auto* const next = to.pNext; // of ours
+        to = from;
+        to.pNext = next;
+    };
+    for (auto* next = static_cast<const VkBaseInStructure*>(chain); next; next = next->pNext) {
+        const void* const item = next;
+        switch (next->sType) {
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2:
+            copy(*static_cast<const VkPhysicalDeviceFeatures2*>(item), features.v10);
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES:
+            copy(*static_cast<const VkPhysicalDeviceVulkan12Features*>(item), features.v12);
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES:
+            copy(*static_cast<const VkPhysicalDeviceVulkan13Features*>(item), features.v13);
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES:
+            features.v12.scalarBlockLayout =
+                static_cast<const VkPhysicalDeviceScalarBlockLayoutFeatures*>(item)
+                    ->scalarBlockLayout;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES:
+            features.v12.timelineSemaphore =
+                static_cast<const VkPhysicalDeviceTimelineSemaphoreFeatures*>(item)
+                    ->timelineSemaphore;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES:
+            features.v13.synchronization2 =
+                static_cast<const VkPhysicalDeviceSynchronization2Features*>(item)
+                    ->synchronization2;
+            break;
+        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_FEATURES:
+            features.v13.maintenance4 =
+                static_cast<const VkPhysicalDeviceMaintenance4Features*>(item)->maintenance4;
+            break;
+        default:
+            break;
+        }
+    }
+}
+
+std::vector<std::string> missing_features(Features& features) {
+    std::vector<std::string> missing;
+    for_each_feature(features, [&](const auto& feature, auto& values) {
+        if (feature.required && !(values.*feature.member)) missing.push_back(feature.name);
+    });
+    return missing;
+}
+
+std::vector<FamilyInfo> list_families(VkPhysicalDevice physical) {
     std::uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-    constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const bool fits = (families[i].queueFlags & kNeeded) == kNeeded;
-        if (fits && families[i].timestampValidBits > 0) return i;
+    std::vector<FamilyInfo> result;
+    constexpr VkQueueFlags kOurs = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT |
+                                   VK_QUEUE_TRANSFER_BIT | VK_QUEUE_SPARSE_BINDING_BIT |
+                                   VK_QUEUE_PROTECTED_BIT;
+    for (const VkQueueFamilyProperties& family : families) {
+        const bool graphics = family.queueFlags & VK_QUEUE_GRAPHICS_BIT;
+        const bool compute = family.queueFlags & VK_QUEUE_COMPUTE_BIT;
+        const bool copies =
+            (family.queueFlags & VK_QUEUE_TRANSFER_BIT) && !(family.queueFlags & ~kOurs);
+        result.push_back({.graphics = graphics,
+            .compute = compute,
+            .transfer = graphics || compute || copies,
+            .queues = family.queueCount,
+            .timestamp_bits = family.timestampValidBits});
+    }
+    return result;
+}
+
+std::optional<std::uint32_t> find_queue_family(const std::vector<FamilyInfo>& families) {
+    for (std::uint32_t i = 0; i < families.size(); ++i) {
+        const FamilyInfo& family = families[i];
+        if (family.graphics && family.compute && family.timestamp_bits > 0) return i;
     }
     return std::nullopt;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "framework/gpu/debug.hpp"
+#include "framework/gpu/queue.hpp"
 
 #include <optional>
 #include <string>
@@ -42,6 +43,12 @@ struct Features {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
 };
 
+/// What a caller's chain of feature structs enables of the above: VkPhysicalDeviceFeatures2, the
+/// structs of Vulkan 1.2 and 1.3, and those of single features that the project requires.
+void read_features(const void* chain, Features& features);
+/// Names of required features that are not set.
+std::vector<std::string> missing_features(Features& features);
+
 /// Sets what the project uses and the device has; required features are all there once select()
 /// has accepted the device.
 void choose_features(VkPhysicalDevice physical, Features& features);
@@ -61,8 +68,11 @@ std::string describe(const std::vector<Candidate>& candidates);
 /// all). Throws Error(device) with the description of all if there is none.
 const Candidate& select(const std::vector<Candidate>& candidates, const std::string& wish);
 
+/// By Vulkan's index, with the number of queues that exist. A family for video or the like has
+/// none of the three abilities.
+std::vector<FamilyInfo> list_families(VkPhysicalDevice physical);
 /// The first family with graphics and compute, whose timestamps count.
-std::optional<std::uint32_t> find_queue_family(VkPhysicalDevice physical);
+std::optional<std::uint32_t> find_queue_family(const std::vector<FamilyInfo>& families);
 bool has_push_descriptors(VkPhysicalDevice physical);
 
 } // namespace ockham::gpu

@@ -5,7 +5,7 @@
 
 namespace ockham::gpu {
 
-Timestamps::Timestamps(Device& device, std::uint32_t count) : device_(device), count_(count) {
+Timestamps::Timestamps(Device& device, std::uint32_t count) : device_(device) {
     const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
         .queryType = VK_QUERY_TYPE_TIMESTAMP,
         .queryCount = count};
@@ -14,13 +14,13 @@ Timestamps::Timestamps(Device& device, std::uint32_t count) : device_(device), c
 
 Timestamps::~Timestamps() { vkDestroyQueryPool(device_.handle(), pool_, nullptr); }
 
-void Timestamps::reset(VkCommandBuffer commands) const {
-    vkCmdResetQueryPool(commands, pool_, 0, count_);
+void Timestamps::reset(VkCommandBuffer commands, std::uint32_t first, std::uint32_t count) const {
+    vkCmdResetQueryPool(commands, pool_, first, count);
 }
 
 void Timestamps::write(VkCommandBuffer commands, std::uint32_t index) const {
     vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, index);
-    if (device_.validation() == Validation::sync) return;
+    if (!device_.info().software || device_.validation() == Validation::sync) return;
     const VkMemoryBarrier2 everything{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
         .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
         .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
@@ -32,17 +32,17 @@ void Timestamps::write(VkCommandBuffer commands, std::uint32_t index) const {
     vkCmdPipelineBarrier2(commands, &dependency);
 }
 
-std::vector<double> Timestamps::read() const {
-    std::vector<std::uint64_t> ticks(count_);
-    expect(
-        vkGetQueryPoolResults(device_.handle(), pool_, 0, count_, ticks.size() * sizeof(ticks[0]),
-            ticks.data(), sizeof(ticks[0]), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+std::vector<double> Timestamps::read(std::uint32_t first, std::uint32_t count) const {
+    std::vector<std::uint64_t> ticks(count);
+    expect(vkGetQueryPoolResults(device_.handle(), pool_, first, count,
+               ticks.size() * sizeof(ticks[0]), ticks.data(), sizeof(ticks[0]),
+               VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "reading timestamps");
     const std::uint32_t bits = device_.limits().timestamp_bits;
     const std::uint64_t mask = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
     // Relative to the first, so that doubles lose nothing and a wrapped counter is no jump.
-    std::vector<double> nanoseconds(count_);
-    for (std::uint32_t i = 0; i < count_; ++i) {
+    std::vector<double> nanoseconds(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
         nanoseconds[i] = static_cast<double>((ticks[i] - ticks[0]) & mask) *
                          device_.limits().timestamp_period_ns;
     }

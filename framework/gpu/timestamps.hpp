@@ -19,19 +19,20 @@ public:
     Timestamps(const Timestamps&) = delete;
     Timestamps& operator=(const Timestamps&) = delete;
 
-    /// Outside render passes, before the first write of each submission.
-    void reset(VkCommandBuffer commands) const;
-    /// Timestamp `index`, once all commands before are done; outside render passes. A barrier of
-    /// everything follows, without which lavapipe times whatever it had deferred. Not under
-    /// Validation::sync, where it would hide missing barriers; times mean little there.
+    /// Before timestamps `first` and on are written again; outside render passes, on a queue with
+    /// compute.
+    void reset(VkCommandBuffer commands, std::uint32_t first, std::uint32_t count) const;
+    /// Timestamp `index`, once all commands before are done; outside render passes. On software
+    /// devices a barrier of everything follows, without which lavapipe times whatever it had
+    /// deferred. Not under Validation::sync, where it would hide missing barriers; times mean
+    /// little there.
     void write(VkCommandBuffer commands, std::uint32_t index) const;
-    /// Nanoseconds of the timestamps of the last submission, which must be over and have written
-    /// them all. Only differences mean something.
-    std::vector<double> read() const;
+    /// Nanoseconds of `count` timestamps, relative to the first of them. The submissions that wrote
+    /// them must be over.
+    std::vector<double> read(std::uint32_t first, std::uint32_t count) const;
 
 private:
     Device& device_;
-    std::uint32_t count_;
     VkQueryPool pool_ = VK_NULL_HANDLE;
 };
 

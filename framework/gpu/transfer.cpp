@@ -16,11 +16,6 @@ namespace {
 
 constexpr std::uint64_t kChunkBytes = std::uint64_t{64} << 20;
 
-VkExtent3D mip_extent(const ImageInfo& info, std::uint32_t mip) {
-    return {std::max(info.width >> mip, 1u), std::max(info.height >> mip, 1u),
-        std::max(info.depth >> mip, 1u)};
-}
-
 std::uint64_t mip_bytes(const ImageInfo& info, std::uint32_t mip) {
     const FormatInfo* format = find_format(info.format);
     if (!format) {

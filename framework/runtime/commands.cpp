@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/runtime/commands.hpp"
 
-#include "framework/core/error.hpp"
 #include "framework/runtime/commands_impl.hpp"
 
 #include <algorithm>
@@ -13,213 +12,111 @@ namespace {
 /// What every Vulkan device allows per axis.
 constexpr std::uint32_t kMaxGroups = 65535;
 
-const char* describe(VkDescriptorType type) {
-    switch (type) {
-    case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER:
-        return "a storage buffer";
-    case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:
-        return "a uniform buffer";
-    case VK_DESCRIPTOR_TYPE_STORAGE_IMAGE:
-        return "a storage image";
-    case VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER:
-        return "a sampled image";
-    default:
-        return "something else";
-    }
+bool contains(const Part& outer, const Part& inner) {
+    return inner.offset >= outer.offset &&
+           inner.offset + inner.bytes <= outer.offset + outer.bytes &&
+           inner.first_mip >= outer.first_mip &&
+           inner.first_mip + inner.mips <= outer.first_mip + outer.mips &&
+           inner.first_layer >= outer.first_layer &&
+           inner.first_layer + inner.layers <= outer.first_layer + outer.layers;
 }
 
-const char* describe(PassKind kind) {
-    switch (kind) {
-    case PassKind::compute:
-        return "compute";
-    case PassKind::raster:
-        return "raster";
-    case PassKind::transfer:
-        return "transfer";
-    }
-    return "?";
-}
-
-VkShaderStageFlags vulkan_stage(Stage stage) {
-    switch (stage) {
-    case Stage::compute:
-        return VK_SHADER_STAGE_COMPUTE_BIT;
-    case Stage::vertex:
-        return VK_SHADER_STAGE_VERTEX_BIT;
-    case Stage::fragment:
-        return VK_SHADER_STAGE_FRAGMENT_BIT;
-    case Stage::fixed:
-        break;
-    }
-    return 0;
-}
-
-VkDescriptorType descriptor_of(Access access, ResourceKind kind) {
-    switch (access) {
-    case Access::sampled:
-        return VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    case Access::uniform:
-        return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-    default:
-        return kind == ResourceKind::image ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE
-                                           : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    }
+/// Ends resolved; one beyond the resource stays beyond.
+Part resolve(Part part, const ResourceDecl& resource) {
+    if (part.bytes == kRest) part.bytes = resource.buffer.bytes - part.offset;
+    if (part.mips == kRestOfMips) part.mips = resource.image.mips - part.first_mip;
+    if (part.layers == kRestOfMips) part.layers = resource.image.layers - part.first_layer;
+    return part;
 }
 
 } // namespace
 
 CommandsImpl::CommandsImpl(
     Recording& recording, PassId pass, VkCommandBuffer commands, const RasterTarget* target)
-    : recording_(recording), pass_(recording.declaration.passes[pass]), commands_(commands),
-      target_(target) {}
+    : recording_(recording), id_(pass), pass_(recording.declaration.passes[pass]),
+      commands_(commands), target_(target) {}
 
-std::span<const Use> CommandsImpl::uses() const {
-    return {recording_.declaration.uses.data() + pass_.first_use, pass_.use_count};
-}
-
-const std::string& CommandsImpl::name_of(ResourceId id) const {
-    static const std::string nothing = "(no resource)";
-    return id < recording_.declaration.resources.size() ? recording_.declaration.resources[id].name
-                                                        : nothing;
-}
-
-const Resource& CommandsImpl::used(ResourceId id, Access access, const char* command) const {
-    for (const Use& use : uses()) {
-        if (use.resource == id && use.access == access) return recording_.resources[id];
+template <ResourceKind Kind>
+CommandsImpl::Target CommandsImpl::used(
+    const PartOf<Kind>& target, Access access, const char* command) const {
+    const Declaration& declaration = recording_.declaration;
+    const ResourceId id = target.handle.resource;
+    if (id >= declaration.resources.size() || declaration.resources[id].kind != Kind) {
+        fail("invalid-handle", "{} of a handle that names nothing in this graph", command);
     }
-    fail("{} of '{}' needs the access '{}', which the pass did not declare", command, name_of(id),
-        ockham::name_of(access));
+    const ResourceDecl& resource = declaration.resources[id];
+    const Part part = resolve(target.part, resource);
+    bool declared = false;
+    for (const Use& use : declaration.uses_of(id_)) {
+        if (use.resource != id || use.access != access) continue;
+        declared = true;
+        if (contains(part_of(declaration, use), part)) {
+            return {recording_.resources[id], resource, part};
+        }
+    }
+    if (declared) {
+        fail("undeclared-part",
+            "{} touches more of {} than the pass declared; name the same part in both", command,
+            describe(resource));
+    }
+    fail("undeclared-access", "{} of {} needs the access '{}', which the pass did not declare",
+        command, describe(resource), name_of(access));
 }
 
 void CommandsImpl::expect_kind(PassKind kind, const char* command) const {
     if (pass_.kind == kind) return;
-    fail("{} belongs in a {} pass, this is a {} pass", command, describe(kind),
-        describe(pass_.kind));
+    fail("wrong-pass-kind", "{} belongs in a {} pass, this is a {} pass", command, name_of(kind),
+        name_of(pass_.kind));
 }
 
 void CommandsImpl::expect_pipeline(const char* command) const {
     expect_kind(PassKind::raster, command);
-    if (!raster_) fail("{} before bind()", command);
+    if (!raster_) fail("no-pipeline", "{} before bind()", command);
 }
 
-const Use& CommandsImpl::match(
-    const gpu::Pipeline& pipeline, const gpu::PipelineLayout::Slot& slot) const {
-    const gpu::ShaderBinding& binding = slot.binding;
-    const Declaration& declaration = recording_.declaration;
-    const auto found = std::ranges::find(
-        uses(), binding.name, [&](const Use& use) { return declaration.detail_of(use).binding; });
-    if (found == uses().end()) {
-        std::vector<std::string_view> declared;
-        for (const Use& use : uses()) {
-            const std::string& name = declaration.detail_of(use).binding;
-            if (!name.empty()) declared.push_back(name);
-        }
-        fail("shader '{}' uses binding '{}', which the pass did not declare; it declared: {}",
-            slot.shader, binding.name, fmt::join(declared, ", "));
-    }
-    const Use& use = *found;
-    const ResourceDecl& resource = declaration.resources[use.resource];
-    if (descriptor_of(use.access, resource.kind) != binding.type) {
-        fail("shader '{}', binding '{}' is {} in the shader, but declared as {} ('{}' of {} '{}')",
-            slot.shader, binding.name, describe(binding.type),
-            describe(descriptor_of(use.access, resource.kind)), ockham::name_of(use.access),
-            resource.kind == ResourceKind::image ? "image" : "buffer", resource.name);
-    }
-    const bool may_read = use.access != Access::storage_write;
-    const bool may_write = writes(use.access);
-    if (binding.writes && !may_write) {
-        fail("shader '{}' may write binding '{}', but the pass declared it '{}'; qualify it "
-             "readonly in the shader, or declare the write",
-            slot.shader, binding.name, ockham::name_of(use.access));
-    }
-    if (binding.reads && !may_read) {
-        fail("shader '{}' may read binding '{}', but the pass declared it '{}'; qualify it "
-             "writeonly in the shader, or declare read_write",
-            slot.shader, binding.name, ockham::name_of(use.access));
-    }
-    if (!binding.writes && use.access == Access::storage_write) {
-        fail("shader '{}' cannot write binding '{}', which it qualifies readonly, but the pass "
-             "declared it '{}'",
-            slot.shader, binding.name, ockham::name_of(use.access));
-    }
-    // Content that no pass writes is complete before the execution, whoever reads it.
-    const VkShaderStageFlags declared = vulkan_stage(use.stage);
-    const bool covered = (slot.stages & ~declared) == 0;
-    if (!(slot.stages & declared) || (!covered && recording_.resources[use.resource].written)) {
-        fail("'{}' uses binding '{}' in other shader stages ({:#x}) than the pass declared ({})",
-            pipeline.shaders, binding.name, slot.stages, ockham::name_of(use.stage));
-    }
-    return use;
-}
-
-VkDescriptorBufferInfo CommandsImpl::buffer_info(
-    const gpu::Pipeline& pipeline, const gpu::PipelineLayout::Slot& slot, const Use& use) const {
+VkDescriptorBufferInfo CommandsImpl::buffer_info(const Use& use) const {
     const gpu::Buffer& buffer = *recording_.resources[use.resource].buffer;
-    const gpu::Limits& limits = recording_.device.limits();
-    const std::uint64_t limit = slot.binding.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
-                                    ? limits.uniform_bytes
-                                    : limits.storage_bytes;
-    if (buffer.bytes() > limit) {
-        fail("'{}', binding '{}': buffer '{}' has {} bytes, the device binds at most {} as {}",
-            pipeline.shaders, slot.binding.name, buffer.name(), buffer.bytes(), limit,
-            describe(slot.binding.type));
-    }
-    return {buffer.handle(), 0, VK_WHOLE_SIZE};
+    const Part part = part_of(recording_.declaration, use);
+    // Whole words, as far as there are.
+    const std::uint64_t bytes = (part.bytes + 3) / 4 * 4;
+    return {buffer.handle(), part.offset, std::min(bytes, buffer.bytes() - part.offset)};
 }
 
 VkDescriptorImageInfo CommandsImpl::image_info(
-    const gpu::Pipeline& pipeline, const gpu::PipelineLayout::Slot& slot, const Use& use) const {
-    const gpu::ShaderBinding& binding = slot.binding;
-    const gpu::Image& image = *recording_.resources[use.resource].image;
-    const bool sampled = binding.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    const bool is_3d = image.info().depth > 1;
-    if (is_3d != (binding.view_type == VK_IMAGE_VIEW_TYPE_3D)) {
-        fail("'{}', binding '{}': the shader wants a {} image, but '{}' is {}", pipeline.shaders,
-            binding.name, is_3d ? "2D" : "3D", image.name(), is_3d ? "3D" : "2D");
-    }
-    if (!sampled && binding.format != VK_FORMAT_UNDEFINED &&
-        binding.format != image.info().format) {
-        fail("'{}', binding '{}': the shader declares format {}, but image '{}' is {}",
-            pipeline.shaders, binding.name, gpu::name_of(binding.format), image.name(),
-            gpu::name_of(image.info().format));
-    }
+    const gpu::ShaderBinding& binding, const Use& use) const {
     VkSampler sampler = VK_NULL_HANDLE;
-    if (sampled) {
-        const bool linear = use.filter != Filter::texel;
-        if (linear && !(recording_.device.format_features(image.info().format) &
-                          VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT)) {
-            fail("'{}', binding '{}': the device cannot filter format {} of image '{}' linearly; "
-                 "use Filter::texel",
-                pipeline.shaders, binding.name, gpu::name_of(image.info().format), image.name());
-        }
-        sampler = recording_.device.sampler(linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST,
+    if (binding.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER) {
+        sampler = recording_.device.sampler(
+            use.filter == Filter::texel ? VK_FILTER_NEAREST : VK_FILTER_LINEAR,
             use.filter == Filter::linear_repeat ? VK_SAMPLER_ADDRESS_MODE_REPEAT
                                                 : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE);
     }
-    return {
-        sampler, image.view(binding.view_type, sampled), state_of(use.access, use.stage).layout};
+    const gpu::Image& image = *recording_.resources[use.resource].image;
+    const gpu::ImageRange range = range_of(part_of(recording_.declaration, use));
+    return {sampler, image.view(binding.view_type, range), state_of(use.access, use.stage).layout};
 }
 
 void CommandsImpl::bind_descriptors(const gpu::Pipeline& pipeline, VkPipelineBindPoint point) {
     const gpu::PipelineLayout& layout = *pipeline.layout;
+    const std::vector<std::uint32_t>& uses = recording_.bindings.of(id_, pipeline);
     const std::size_t count = layout.slots.size();
     std::vector<VkDescriptorBufferInfo> buffers(count);
     std::vector<VkDescriptorImageInfo> images(count);
     std::vector<VkWriteDescriptorSet> writes(count);
     for (std::size_t i = 0; i < count; ++i) {
-        const gpu::PipelineLayout::Slot& slot = layout.slots[i];
-        const Use& use = match(pipeline, slot);
-        const bool is_buffer = slot.binding.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER ||
-                               slot.binding.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+        const gpu::ShaderBinding& binding = layout.slots[i].binding;
+        const Use& use = recording_.declaration.uses[uses[i]];
+        const bool is_buffer = binding.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER ||
+                               binding.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
         if (is_buffer) {
-            buffers[i] = buffer_info(pipeline, slot, use);
+            buffers[i] = buffer_info(use);
         } else {
-            images[i] = image_info(pipeline, slot, use);
+            images[i] = image_info(binding, use);
         }
         writes[i] = {.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-            .dstBinding = slot.binding.binding,
+            .dstBinding = binding.binding,
             .descriptorCount = 1,
-            .descriptorType = slot.binding.type,
+            .descriptorType = binding.type,
             .pImageInfo = is_buffer ? nullptr : &images[i],
             .pBufferInfo = is_buffer ? &buffers[i] : nullptr};
     }
@@ -246,7 +143,7 @@ void CommandsImpl::bind_descriptors(const gpu::Pipeline& pipeline, VkPipelineBin
 void CommandsImpl::push_constants(
     const gpu::Pipeline& pipeline, std::span<const std::byte> values) {
     if (values.size() != pipeline.layout->push_bytes) {
-        fail("'{}' takes {} bytes of push constants, but got {}", pipeline.shaders,
+        fail("push-size", "'{}' takes {} bytes of push constants, but got {}", pipeline.shaders,
             pipeline.layout->push_bytes, values.size());
     }
     if (values.empty()) return;
@@ -254,29 +151,31 @@ void CommandsImpl::push_constants(
         static_cast<std::uint32_t>(values.size()), values.data());
 }
 
-const gpu::Pipeline& CommandsImpl::prepare(const ComputeCall& call) {
+const gpu::Pipeline& CommandsImpl::compute_pipeline(const ComputeCall& call) const {
     expect_kind(PassKind::compute, "a dispatch");
-    const gpu::Pipeline* pipeline = nullptr;
     try {
-        pipeline = &recording_.device.pipelines().compute(call.shader, call.specialization);
+        return recording_.device.pipelines().compute(call.shader, call.specialization);
     } catch (const Error& error) {
-        throw Error(error.kind(), fmt::format("pass '{}': {}", pass_.name, error.what()));
+        if (error.kind() != ErrorKind::input) throw;
+        fail("bad-shader", "{}", error.what());
     }
-    recording_.pipelines.insert(pipeline);
-    vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline->handle);
-    bind_descriptors(*pipeline, VK_PIPELINE_BIND_POINT_COMPUTE);
-    push_constants(*pipeline, call.push);
-    return *pipeline;
+}
+
+void CommandsImpl::prepare(const gpu::Pipeline& pipeline, const ComputeCall& call) {
+    vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle);
+    bind_descriptors(pipeline, VK_PIPELINE_BIND_POINT_COMPUTE);
+    push_constants(pipeline, call.push);
 }
 
 void CommandsImpl::dispatch(const ComputeCall& call, glm::uvec3 groups) {
-    prepare(call);
+    prepare(compute_pipeline(call), call);
     for (int axis = 0; axis < 3; ++axis) {
         const std::uint32_t limit =
             std::min(kMaxGroups, recording_.device.limits().groups[static_cast<std::size_t>(axis)]);
         if (groups[axis] > limit) {
-            fail("shader '{}' is dispatched over {} x {} x {} workgroups; at most {} fit on an "
-                 "axis, so use two axes or more work per group",
+            fail("too-many-groups",
+                "shader '{}' is dispatched over {} x {} x {} workgroups; at most {} fit on an "
+                "axis, so use two axes or more work per group",
                 call.shader, groups.x, groups.y, groups.z, limit);
         }
     }
@@ -286,13 +185,7 @@ void CommandsImpl::dispatch(const ComputeCall& call, glm::uvec3 groups) {
 }
 
 void CommandsImpl::dispatch_over(const ComputeCall& call, glm::uvec3 items) {
-    expect_kind(PassKind::compute, "a dispatch");
-    std::array<std::uint32_t, 3> size{};
-    try {
-        size = recording_.device.pipelines().compute(call.shader, call.specialization).local_size;
-    } catch (const Error& error) {
-        throw Error(error.kind(), fmt::format("pass '{}': {}", pass_.name, error.what()));
-    }
+    const std::array<std::uint32_t, 3> size = compute_pipeline(call).local_size;
     const auto cover = [](std::uint32_t count, std::uint32_t group) {
         return count / group + (count % group != 0);
     };
@@ -301,15 +194,19 @@ void CommandsImpl::dispatch_over(const ComputeCall& call, glm::uvec3 items) {
 
 void CommandsImpl::dispatch_indirect(
     const ComputeCall& call, BufferHandle arguments, std::uint64_t offset_bytes) {
-    prepare(call);
-    const gpu::Buffer& buffer =
-        *used(arguments.resource, Access::indirect, "an indirect dispatch").buffer;
-    if (offset_bytes % 4 != 0 || offset_bytes + 12 > buffer.bytes()) {
-        fail("shader '{}': indirect arguments at byte {} of '{}' with {} bytes; the offset must be "
-             "a multiple of 4 with 12 bytes after it",
-            call.shader, offset_bytes, buffer.name(), buffer.bytes());
+    prepare(compute_pipeline(call), call);
+    const std::uint64_t bytes = arguments.resource < recording_.declaration.resources.size()
+                                    ? recording_.resources[arguments.resource].bytes
+                                    : 0;
+    if (offset_bytes % 4 != 0 || offset_bytes + 12 > bytes) {
+        fail("bad-offset",
+            "shader '{}': indirect arguments at byte {} of {} bytes; the offset must be a multiple "
+            "of 4 with 12 bytes after it",
+            call.shader, offset_bytes, bytes);
     }
-    vkCmdDispatchIndirect(commands_, buffer.handle(), offset_bytes);
+    const Target target =
+        used(arguments.range(offset_bytes, 12), Access::indirect, "an indirect dispatch");
+    vkCmdDispatchIndirect(commands_, target.resource.buffer->handle(), offset_bytes);
 }
 
 void CommandsImpl::bind(const RasterCall& call) {
@@ -322,9 +219,9 @@ void CommandsImpl::bind(const RasterCall& call) {
     try {
         raster_ = &recording_.device.pipelines().raster(state, target_->attachments);
     } catch (const Error& error) {
-        throw Error(error.kind(), fmt::format("pass '{}': {}", pass_.name, error.what()));
+        if (error.kind() != ErrorKind::input) throw;
+        fail("bad-shader", "{}", error.what());
     }
-    recording_.pipelines.insert(raster_);
     vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, raster_->handle);
     bind_descriptors(*raster_, VK_PIPELINE_BIND_POINT_GRAPHICS);
     pushed_ = raster_->layout->push_bytes == 0;
@@ -344,11 +241,12 @@ void CommandsImpl::push(std::span<const std::byte> values) {
     pushed_ = true;
 }
 
-void CommandsImpl::bind_indices(BufferHandle indices) {
+void CommandsImpl::bind_indices(const BufferPart& indices) {
     expect_kind(PassKind::raster, "bind_indices()");
-    const gpu::Buffer& buffer = *used(indices.resource, Access::index, "bind_indices()").buffer;
-    vkCmdBindIndexBuffer(commands_, buffer.handle(), 0, VK_INDEX_TYPE_UINT32);
-    index_count_ = buffer.bytes() / 4;
+    const Target target = used(indices, Access::index, "bind_indices()");
+    vkCmdBindIndexBuffer(
+        commands_, target.resource.buffer->handle(), target.part.offset, VK_INDEX_TYPE_UINT32);
+    index_count_ = target.part.bytes / 4;
 }
 
 void CommandsImpl::draw(std::uint32_t vertices, std::uint32_t instances, std::uint32_t first_vertex,
@@ -363,60 +261,81 @@ void CommandsImpl::draw_indexed(std::uint32_t indices, std::uint32_t instances,
     expect_pipeline("draw_indexed()");
     if (!pushed_) push_constants(*raster_, {});
     if (std::uint64_t{first_index} + indices > index_count_) {
-        fail("draw_indexed() of indices {} to {}, but {} are bound", first_index,
+        fail("bad-indices", "draw_indexed() of indices {} to {}, but {} are bound", first_index,
             std::uint64_t{first_index} + indices, index_count_);
     }
     vkCmdDrawIndexed(commands_, indices, instances, first_index, vertex_offset, first_instance);
 }
 
-void CommandsImpl::fill(BufferHandle buffer, std::uint32_t value) {
-    const Resource& to = used(buffer.resource, Access::transfer_write, "fill()");
-    if (to.buffer->bytes() % 4 != 0) {
-        fail("fill() of '{}' with {} bytes, which is no multiple of 4", to.buffer->name(),
-            to.buffer->bytes());
+void CommandsImpl::fill(const BufferPart& buffer, std::uint32_t value) {
+    const Target to = used(buffer, Access::transfer_write, "fill()");
+    const bool to_the_end = to.part.offset + to.part.bytes == to.resource.bytes;
+    // Of an odd number of bytes, the words that exist.
+    const std::uint64_t bytes = to_the_end
+                                    ? std::min((to.part.bytes + 3) / 4 * 4,
+                                          (to.resource.buffer->bytes() - to.part.offset) / 4 * 4)
+                                    : to.part.bytes;
+    if (to.part.offset % 4 != 0 || bytes % 4 != 0 || bytes < to.part.bytes) {
+        fail("copy-size", "fill() of {} bytes from byte {} of {}; both must be multiples of 4",
+            to.part.bytes, to.part.offset, describe(to.decl));
     }
-    vkCmdFillBuffer(commands_, to.buffer->handle(), 0, VK_WHOLE_SIZE, value);
+    vkCmdFillBuffer(commands_, to.resource.buffer->handle(), to.part.offset, bytes, value);
 }
 
-void CommandsImpl::clear(ImageHandle image, const std::array<float, 4>& value) {
-    const gpu::Image& to = *used(image.resource, Access::transfer_write, "clear()").image;
-    gpu::clear(commands_, to, value);
+void CommandsImpl::clear(const ImagePart& image, const std::array<float, 4>& value) {
+    const Target to = used(image, Access::transfer_write, "clear()");
+    gpu::clear(commands_, *to.resource.image, value, range_of(to.part));
 }
 
-void CommandsImpl::copy(BufferHandle from, BufferHandle to, std::uint64_t bytes) {
-    const gpu::Buffer& source = *used(from.resource, Access::transfer_read, "copy()").buffer;
-    const gpu::Buffer& target = *used(to.resource, Access::transfer_write, "copy()").buffer;
-    if (bytes == 0 || bytes > source.bytes() || bytes > target.bytes()) {
-        fail("copy() of {} bytes from '{}' with {} to '{}' with {}", bytes, source.name(),
-            source.bytes(), target.name(), target.bytes());
+void CommandsImpl::copy(const BufferPart& from, const BufferPart& to, std::uint64_t bytes) {
+    const Target source = used(from, Access::transfer_read, "copy()");
+    const Target target = used(to, Access::transfer_write, "copy()");
+    if (bytes == kRest) bytes = source.part.bytes;
+    if (bytes == 0 || bytes > source.part.bytes || bytes > target.part.bytes) {
+        fail("copy-size", "copy() of {} bytes from {} bytes of {} to {} bytes of {}", bytes,
+            source.part.bytes, describe(source.decl), target.part.bytes, describe(target.decl));
     }
-    const VkBufferCopy region{0, 0, bytes};
-    vkCmdCopyBuffer(commands_, source.handle(), target.handle(), 1, &region);
+    const VkBufferCopy region{source.part.offset, target.part.offset, bytes};
+    vkCmdCopyBuffer(
+        commands_, source.resource.buffer->handle(), target.resource.buffer->handle(), 1, &region);
 }
 
-void CommandsImpl::copy(ImageHandle from, ImageHandle to) {
-    const gpu::Image& source = *used(from.resource, Access::transfer_read, "copy()").image;
-    const gpu::Image& target = *used(to.resource, Access::transfer_write, "copy()").image;
-    const gpu::ImageInfo& a = source.info();
-    const gpu::ImageInfo& b = target.info();
-    if (a.format != b.format || a.width != b.width || a.height != b.height || a.depth != b.depth ||
-        a.layers != b.layers || a.mips != b.mips) {
-        fail("copy() from '{}' ({}, {} x {} x {}) to '{}' ({}, {} x {} x {}): format and size must "
-             "be the same",
-            a.name, gpu::name_of(a.format), a.width, a.height, a.depth, b.name,
-            gpu::name_of(b.format), b.width, b.height, b.depth);
+void CommandsImpl::copy(const ImagePart& from, const ImagePart& to) {
+    const Target source = used(from, Access::transfer_read, "copy()");
+    const Target target = used(to, Access::transfer_write, "copy()");
+    const gpu::Image& a = *source.resource.image;
+    const gpu::Image& b = *target.resource.image;
+    bool same = a.info().format == b.info().format && source.part.mips == target.part.mips &&
+                source.part.layers == target.part.layers;
+    std::vector<VkImageCopy> regions;
+    for (std::uint32_t mip = 0; same && mip < source.part.mips; ++mip) {
+        const VkExtent3D extent = gpu::mip_extent(a.info(), source.part.first_mip + mip);
+        const VkExtent3D wanted = gpu::mip_extent(b.info(), target.part.first_mip + mip);
+        same = extent.width == wanted.width && extent.height == wanted.height &&
+               extent.depth == wanted.depth;
+        regions.push_back({.srcSubresource = {.aspectMask = a.aspect(),
+                               .mipLevel = source.part.first_mip + mip,
+                               .baseArrayLayer = source.part.first_layer,
+                               .layerCount = source.part.layers},
+            .dstSubresource = {.aspectMask = b.aspect(),
+                .mipLevel = target.part.first_mip + mip,
+                .baseArrayLayer = target.part.first_layer,
+                .layerCount = target.part.layers},
+            .extent = extent});
     }
-    std::vector<VkImageCopy> regions(a.mips);
-    for (std::uint32_t mip = 0; mip < a.mips; ++mip) {
-        const VkImageSubresourceLayers layers{
-            .aspectMask = source.aspect(), .mipLevel = mip, .layerCount = a.layers};
-        regions[mip] = {.srcSubresource = layers,
-            .dstSubresource = layers,
-            .extent = {std::max(a.width >> mip, 1u), std::max(a.height >> mip, 1u),
-                std::max(a.depth >> mip, 1u)}};
+    if (!same) {
+        const auto shape = [](const Target& t) {
+            const VkExtent3D extent = gpu::mip_extent(t.resource.image->info(), t.part.first_mip);
+            return fmt::format("{} ({}, {} x {} x {}, {} mips, {} layers)", describe(t.decl),
+                gpu::name_of(t.decl.image.format), extent.width, extent.height, extent.depth,
+                t.part.mips, t.part.layers);
+        };
+        fail("copy-shape", "copy() from {} to {}: format and size must be the same", shape(source),
+            shape(target));
     }
-    vkCmdCopyImage(commands_, source.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-        target.handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, a.mips, regions.data());
+    vkCmdCopyImage(commands_, a.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, b.handle(),
+        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, static_cast<std::uint32_t>(regions.size()),
+        regions.data());
 }
 
 void Commands::dispatch(const ComputeCall& call, glm::uvec3 groups) {
@@ -434,7 +353,7 @@ void Commands::set_cull(Cull mode, bool front_is_clockwise) {
     impl_->set_cull(mode, front_is_clockwise);
 }
 void Commands::push(std::span<const std::byte> values) { impl_->push(values); }
-void Commands::bind_indices(BufferHandle indices) { impl_->bind_indices(indices); }
+void Commands::bind_indices(const BufferPart& indices) { impl_->bind_indices(indices); }
 void Commands::draw(std::uint32_t vertices, std::uint32_t instances, std::uint32_t first_vertex,
     std::uint32_t first_instance) {
     impl_->draw(vertices, instances, first_vertex, first_instance);
@@ -443,13 +362,13 @@ void Commands::draw_indexed(std::uint32_t indices, std::uint32_t instances,
     std::uint32_t first_index, std::int32_t vertex_offset, std::uint32_t first_instance) {
     impl_->draw_indexed(indices, instances, first_index, vertex_offset, first_instance);
 }
-void Commands::fill(BufferHandle buffer, std::uint32_t value) { impl_->fill(buffer, value); }
-void Commands::clear(ImageHandle image, const std::array<float, 4>& value) {
+void Commands::fill(const BufferPart& buffer, std::uint32_t value) { impl_->fill(buffer, value); }
+void Commands::clear(const ImagePart& image, const std::array<float, 4>& value) {
     impl_->clear(image, value);
 }
-void Commands::copy(BufferHandle from, BufferHandle to, std::uint64_t bytes) {
+void Commands::copy(const BufferPart& from, const BufferPart& to, std::uint64_t bytes) {
     impl_->copy(from, to, bytes);
 }
-void Commands::copy(ImageHandle from, ImageHandle to) { impl_->copy(from, to); }
+void Commands::copy(const ImagePart& from, const ImagePart& to) { impl_->copy(from, to); }
 
 } // namespace ockham

@@ -66,16 +66,20 @@ public:
     enum class Cull { none, back };
     void set_cull(Cull mode, bool front_is_clockwise = false);
     void push(std::span<const std::byte> values); ///< for the bound raster pipeline
-    void bind_indices(BufferHandle indices);      ///< 32-bit
+    void bind_indices(const BufferPart& indices); ///< 32-bit
     void draw(std::uint32_t vertices, std::uint32_t instances = 1, std::uint32_t first_vertex = 0,
         std::uint32_t first_instance = 0);
     void draw_indexed(std::uint32_t indices, std::uint32_t instances, std::uint32_t first_index,
         std::int32_t vertex_offset, std::uint32_t first_instance);
 
-    void fill(BufferHandle buffer, std::uint32_t value);
-    void clear(ImageHandle image, const std::array<float, 4>& value);
-    void copy(BufferHandle from, BufferHandle to, std::uint64_t bytes);
-    void copy(ImageHandle from, ImageHandle to);
+    /// Of resources or parts that the pass declared with copy_to() and copy_from(), all of such a
+    /// part or less.
+    void fill(const BufferPart& buffer, std::uint32_t value);
+    void clear(const ImagePart& image, const std::array<float, 4>& value);
+    /// The first `bytes` of the parts; all of `from` by default.
+    void copy(const BufferPart& from, const BufferPart& to, std::uint64_t bytes = kRest);
+    /// Mips and layers one by one; both parts have as many, of equal size.
+    void copy(const ImagePart& from, const ImagePart& to);
 
 private:
     CommandsImpl* impl_;

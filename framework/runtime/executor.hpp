@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Executes a graph: compiles it once, owns its resources and pipelines, records the plan, submits,
-// and reports GPU times. Retained: executing again plans nothing. One per graph; several may share
-// a device.
+// and reports GPU times. Retained: executing again plans nothing. One per graph, used by one thread
+// at a time; several may share a device, from several threads.
 #pragma once
 
 #include "framework/core/image.hpp"
 #include "framework/gpu/device.hpp"
-#include "framework/graph/compile.hpp"
-#include "framework/graph/graph.hpp"
+#include "framework/runtime/planning.hpp"
 
 #include <cstddef>
 #include <memory>
@@ -24,19 +23,39 @@ class Image;
 struct PassTime {
     std::string pass;
     double milliseconds = 0; ///< GPU time between timestamps around the pass, its barriers included
+    bool skipped = false;    ///< a condition left it out; only its barriers took time
 };
 
-/// Compiles for this device: asks it what memory each resource takes (kept in the declaration) and
-/// what it allows. Throws the errors of compile().
-Plan make_plan(const gpu::Device& device, Graph& graph, const Policy& policy = {});
+struct ExecutorOptions {
+    /// Measure passes in execute() and submit(). On software devices this serialises them.
+    bool times = true;
+    /// Fill transient memory with NaNs (0x7fc0dead) before its first use in each execution, so that
+    /// reading what was not written shows. Also by the environment: OCKHAM_POISON=1.
+    bool poison = false;
+    /// Executions that may be in flight at a time, >= 1; submit() waits when there are more. So
+    /// many recordings by record() may be pending.
+    std::uint32_t slots = 1;
+    /// Runs plans for several queues on the main queue alone, with the plan's waits and without its
+    /// changes of owner: for tests on devices that have one.
+    bool one_queue = false;
+};
+
+/// Semaphores of an import's owner, for the next execution. It waits for `wait` before anything
+/// uses the import and signals `signal` once nothing does; null semaphores: neither.
+struct ImportSync {
+    gpu::TimelinePoint wait;
+    gpu::TimelinePoint signal;
+};
 
 class Executor {
 public:
     /// Compiles and creates everything the plan needs. Throws the errors of compile(), and
     /// Error(device) where memory or a feature is missing. `device` must outlive this object.
-    Executor(gpu::Device& device, Graph graph, const Policy& policy = {});
+    Executor(gpu::Device& device, Graph graph, const Policy& policy = {},
+        const ExecutorOptions& options = {});
     /// The same with a plan from make_plan() for this graph and device, taken as it is.
-    Executor(gpu::Device& device, Graph graph, Plan plan);
+    Executor(gpu::Device& device, Graph graph, Plan plan, const ExecutorOptions& options = {});
+    /// Waits for what is in flight.
     ~Executor();
     Executor(Executor&&) noexcept;
     Executor& operator=(Executor&&) noexcept;
@@ -44,24 +63,41 @@ public:
     /// Binds the caller's resource to an imported handle. Must be done once before execute();
     /// binding another one later is fine between executions. It must outlive its last execution,
     /// and have the declared size and format and the usage that the plan asks for: Error(input).
-    void bind(BufferHandle handle, const gpu::Buffer& buffer);
-    void bind(ImageHandle handle, const gpu::Image& image);
+    void bind(BufferHandle handle, const gpu::Buffer& buffer, const ImportSync& sync = {});
+    void bind(ImageHandle handle, const gpu::Image& image, const ImportSync& sync = {});
+    /// Answers a condition, for the executions from now on; `true` until then.
+    void set(Condition condition, bool value);
 
     /// Records, submits and waits for one execution. Recording functions run each time (twice under
     /// Validation::sync), so what they capture may change in between; the plan, pipelines and
     /// memory stay. Throws Error(input) for what is not bound or wrongly recorded, and
     /// Error(device) where the device is lost or full.
     void execute();
-    /// GPU times of the passes of the last execution, in order. Under Validation::sync they are
-    /// there but mean little.
+    /// The same in two halves: submit() returns once everything is under way.
+    void submit();
+    void wait();
+    /// Records one execution into the caller's command buffer, which must be recording, outside a
+    /// render pass, and be submitted to the main queue before anything else is recorded or
+    /// executed. For plans of one queue; Error(input) otherwise. Takes no times.
+    void record(VkCommandBuffer commands);
+    /// GPU times of the passes of the last execution that was waited for, in order; none where they
+    /// were not asked for. Under Validation::sync they are there but mean little.
     const std::vector<PassTime>& times() const;
 
-    /// Content of an exported, persistent or external resource after execute(). Error(input) for
-    /// others: their memory is not kept.
+    /// Takes up a graph that was declared anew. With the same fingerprint only its recording
+    /// functions and clear values replace those of the old; bindings and conditions stay. Else it
+    /// is planned and created, and persistent resources and histories of equal name and description
+    /// keep their content; imports must be bound again. True: the plan is the old one.
+    bool update(Graph graph);
+
+    /// Content of an exported, persistent or external resource after an execution, as its handles
+    /// meant it there: of a history, `now` is what was written last. Error(input) for others: their
+    /// memory is not kept. Waits for what is in flight.
     std::vector<std::byte> read(BufferHandle buffer);
-    /// Layer 0, mip 0 of a 2D image of a colour or depth format as floats; integer formats give
-    /// their values. Channels are named R, G, B, A as many as the format has.
-    Image read(ImageHandle image);
+    /// The first mip and layer of the part (all of a handle) of a 2D image of a colour or depth
+    /// format as floats; integer formats give their values. Channels are named R, G, B, A as many
+    /// as the format has.
+    Image read(const ImagePart& image);
 
     const Graph& graph() const;
     const Plan& plan() const;

@@ -115,7 +115,7 @@ TEST_F(DeviceTest, EveryValidationModeStartsAndEndsInSilence) {
                                           .height = 5,
                                           .usage = VK_IMAGE_USAGE_SAMPLED_BIT,
                                           .name = "i"});
-            image.view(VK_IMAGE_VIEW_TYPE_2D_ARRAY, true);
+            image.view(VK_IMAGE_VIEW_TYPE_2D_ARRAY);
             device.sampler(VK_FILTER_LINEAR, VK_SAMPLER_ADDRESS_MODE_REPEAT);
         }
         log::set_sink({});
