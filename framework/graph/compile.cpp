@@ -14,11 +14,10 @@ Plan compile(
     Plan plan;
     const Pieces pieces = validate(declaration, capabilities);
     cull(declaration, pieces, plan);
+    order(declaration, pieces, policy, plan);
+    schedule(declaration, pieces, capabilities, policy, plan);
     place(declaration, capabilities, policy, plan);
     synchronize(declaration, pieces, plan);
-    plan.queues = {{0, 0}};
-    plan.submissions = {{.step_count = static_cast<std::uint32_t>(plan.steps.size())}};
-    plan.concurrent.assign(declaration.resources.size(), 0);
     plan.compile_us = 1e6 * timer.seconds();
     return plan;
 }

@@ -44,6 +44,8 @@ struct Policy {
     bool async_queues = true;
     /// Transient resources share memory by lifetime. Off: one range each, for debugging.
     bool alias_memory = true;
+    /// PlanCache plans anew even where it has a plan, and aborts where the two differ.
+    bool paranoid = false;
     /// 0 = no limit. A plan above it is refused with a table of what is large and why it lives.
     std::uint64_t memory_budget_bytes = 0;
 };
