@@ -14,11 +14,11 @@ namespace ockham {
 
 /// Largest allowed numbers; empty: any.
 struct Budget {
-    std::optional<std::uint64_t> passes; ///< that are executed
-    std::optional<std::uint64_t> barriers;
-    std::optional<std::uint64_t> batches;
-    std::optional<std::uint64_t> submissions;
-    std::optional<std::uint64_t> bytes; ///< of all heaps
+    std::optional<std::uint64_t> passes = {}; ///< that are executed
+    std::optional<std::uint64_t> barriers = {};
+    std::optional<std::uint64_t> batches = {};
+    std::optional<std::uint64_t> submissions = {};
+    std::optional<std::uint64_t> bytes = {}; ///< of all heaps
 };
 
 /// Empty where the plan keeps the budget. Else a line for each number that is too large, and where

@@ -53,8 +53,9 @@ public:
     /// An integer from `least` to `most`.
     std::uint64_t number(std::uint64_t least = 0,
         std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const {
-        if (!json_->is_number_unsigned() || json_->get<std::uint64_t>() < least ||
-            json_->get<std::uint64_t>() > most)
+        const bool whole =
+            json_->is_number_unsigned() || (json_->is_number_integer() && *json_ >= 0);
+        if (!whole || json_->get<std::uint64_t>() < least || json_->get<std::uint64_t>() > most)
             fail("found {}, expected an integer from {} to {}", shown(), least, most);
         return json_->get<std::uint64_t>();
     }
