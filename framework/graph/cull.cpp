@@ -144,16 +144,19 @@ private:
         }
     }
 
-    /// A ring turns as a whole: where one of its older contents is wanted, all ages are there.
+    /// A ring turns as a whole: where an older content is wanted or an older age is used, all ages
+    /// are there.
     void judge_resources() {
-        for (ResourceId id = 0; id < plan_.resources.size(); ++id) {
-            const ResourceDecl& resource = declaration_.resources[id];
-            if (resource.history_depth == 0 || !plan_.resources[id].culled) continue;
-            const ResourceId first = id - resource.history_age;
-            const auto begin = kept_content_.begin() + first;
-            const bool turns = std::any_of(begin, begin + resource.history_depth + 1,
-                [](std::uint8_t kept) { return kept == kFed; });
-            if (turns) plan_.resources[id] = {false, Verdict::Cause::ring, kNone, kNone, kNone};
+        for (ResourceId first = 0; first < plan_.resources.size(); ++first) {
+            const ResourceDecl& resource = declaration_.resources[first];
+            if (resource.history_depth == 0 || resource.history_age != 0) continue;
+            const ResourceId end = first + resource.history_depth + 1;
+            bool turns = false;
+            for (ResourceId id = first; id < end; ++id)
+                turns |= kept_content_[id] == kFed || (id != first && !plan_.resources[id].culled);
+            for (ResourceId id = first; turns && id < end; ++id)
+                if (plan_.resources[id].culled)
+                    plan_.resources[id] = {false, Verdict::Cause::ring, kNone, kNone, kNone};
         }
     }
 
