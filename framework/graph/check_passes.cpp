@@ -61,8 +61,9 @@ bool is_inside(std::uint64_t first, std::uint64_t count, std::uint64_t rest, std
 
 class PassChecker {
 public:
-    explicit PassChecker(const Declaration& declaration)
-        : declaration_(declaration), last_use_(declaration.resources.size(), kNone) {}
+    PassChecker(const Declaration& declaration, const Capabilities& capabilities)
+        : declaration_(declaration), max_extent_(capabilities.max_attachment_extent),
+          last_use_(declaration.resources.size(), kNone) {}
 
     void check(PassId id) {
         const PassDecl& pass = declaration_.passes[id];
@@ -236,6 +237,11 @@ private:
             }
             const std::uint32_t width = std::max(image.width >> part.first_mip, 1u);
             const std::uint32_t height = std::max(image.height >> part.first_mip, 1u);
+            if (std::max(width, height) > max_extent_)
+                fail("bad-size",
+                    "{} draws to {} of {}x{}, the device allows attachments of {} per axis; draw "
+                    "in parts",
+                    describe(pass), describe(resource), width, height, max_extent_);
             if (!first) {
                 first = &resource;
                 first_width = width;
@@ -252,14 +258,15 @@ private:
     }
 
     const Declaration& declaration_;
+    std::uint32_t max_extent_;            ///< of attachments
     std::vector<std::uint32_t> last_use_; ///< per resource: index of its latest use so far
     std::vector<std::size_t> bindings_;   ///< hashes of the names of this pass's uses so far
 };
 
 } // namespace
 
-void check_passes(const Declaration& declaration) {
-    PassChecker checker(declaration);
+void check_passes(const Declaration& declaration, const Capabilities& capabilities) {
+    PassChecker checker(declaration, capabilities);
     for (PassId id = 0; id < declaration.passes.size(); ++id) checker.check(id);
 }
 

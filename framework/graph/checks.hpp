@@ -18,7 +18,7 @@ void check_structure(const Declaration& declaration);
 /// Names, sizes and formats of resources, names of passes.
 void check_resources(const Declaration& declaration, const Capabilities& capabilities);
 /// Each pass by itself: accesses, stages, bindings, formats, parts, attachments, queue.
-void check_passes(const Declaration& declaration);
+void check_passes(const Declaration& declaration, const Capabilities& capabilities);
 /// What passes read has been written, whatever the conditions say.
 void check_content(const Declaration& declaration, const Pieces& pieces);
 

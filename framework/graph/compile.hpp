@@ -25,6 +25,7 @@ struct Capabilities {
     std::uint64_t max_buffer_bytes = std::uint64_t{1} << 32;
     std::uint32_t max_image_extent = 16384;
     std::uint32_t max_image_layers = 2048;
+    std::uint32_t max_attachment_extent = 16384;
 };
 
 /// In which order passes run, among those that their data allow.

@@ -32,6 +32,7 @@ Fingerprint PlanCache::key_of(
     key.mix(capabilities.buffer_image_granularity);
     key.mix(capabilities.max_buffer_bytes);
     key.mix(std::uint64_t{capabilities.max_image_extent} << 32 | capabilities.max_image_layers);
+    key.mix(std::uint64_t{capabilities.max_attachment_extent});
     key.mix(std::uint64_t{policy.alias_memory} << 9 | std::uint64_t{policy.async_queues} << 8 |
             static_cast<std::uint64_t>(policy.order));
     key.mix(std::bit_cast<std::uint64_t>(policy.batch_memory));

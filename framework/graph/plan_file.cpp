@@ -269,7 +269,12 @@ Capabilities load_capabilities(const JsonReader& in) {
         in["families"].fail("none has both graphics and compute");
     out.buffer_image_granularity = in["buffer_image_granularity"].number(1, std::uint64_t{1} << 32);
     out.max_buffer_bytes = in["max_buffer_bytes"].number(1);
-    out.max_image_extent = static_cast<std::uint32_t>(in["max_image_extent"].number(1, kMost32));
+    const auto limit = [&](const char* name) {
+        return static_cast<std::uint32_t>(in[name].number(1, kMost32));
+    };
+    out.max_image_extent = limit("max_image_extent");
+    out.max_image_layers = limit("max_image_layers");
+    out.max_attachment_extent = limit("max_attachment_extent");
     return out;
 }
 
@@ -339,7 +344,9 @@ json to_json(const Capabilities& capabilities) {
     return {{"families", families},
         {"buffer_image_granularity", capabilities.buffer_image_granularity},
         {"max_buffer_bytes", capabilities.max_buffer_bytes},
-        {"max_image_extent", capabilities.max_image_extent}};
+        {"max_image_extent", capabilities.max_image_extent},
+        {"max_image_layers", capabilities.max_image_layers},
+        {"max_attachment_extent", capabilities.max_attachment_extent}};
 }
 
 json to_json(const Policy& policy) {

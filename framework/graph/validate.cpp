@@ -9,7 +9,7 @@ Pieces validate(const Declaration& declaration, const Capabilities& capabilities
         fail_input("[{}] {}", misuse.code, misuse.text);
     check_structure(declaration);
     check_resources(declaration, capabilities);
-    check_passes(declaration);
+    check_passes(declaration, capabilities);
     Pieces pieces(declaration);
     check_content(declaration, pieces);
     return pieces;

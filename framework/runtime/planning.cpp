@@ -11,7 +11,9 @@ Capabilities capabilities_of(const gpu::Device& device) {
     Capabilities capabilities{.families = {},
         .buffer_image_granularity = limits.buffer_image_granularity,
         .max_buffer_bytes = limits.buffer_bytes,
-        .max_image_extent = limits.image_extent};
+        .max_image_extent = limits.image_extent,
+        .max_image_layers = limits.image_layers,
+        .max_attachment_extent = limits.attachment_extent};
     for (const gpu::FamilyInfo& family : device.families()) {
         const bool used = family.queues > 0;
         capabilities.families.push_back({.graphics = used && family.graphics,

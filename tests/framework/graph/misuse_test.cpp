@@ -340,6 +340,17 @@ TEST(Misuse, AttachmentExtent) {
         "transient image 'z' (#) of 64x32; make them equal");
 }
 
+TEST(Misuse, AttachmentBeyondTheDevice) {
+    Graph graph("g");
+    auto pass = graph.add_raster_pass("p");
+    (void)pass.color(graph.create_image("a", {VK_FORMAT_R8_UNORM, 8193, 4}));
+    Capabilities capabilities;
+    capabilities.max_attachment_extent = 8192;
+    EXPECT_EQ(misuse_of(graph.declaration(), capabilities),
+        "[bad-size] graph 'g': pass 'p' (#) draws to transient image 'a' (#) of 8193x4, the device "
+        "allows attachments of 8192 per axis; draw in parts");
+}
+
 TEST(Misuse, NoAttachment) {
     Graph graph("g");
     graph.add_raster_pass("p");
