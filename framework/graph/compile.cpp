@@ -17,7 +17,7 @@ Plan compile(
     order(declaration, pieces, policy, plan);
     schedule(declaration, pieces, capabilities, policy, plan);
     place(declaration, capabilities, policy, plan);
-    synchronize(declaration, pieces, plan);
+    synchronize(declaration, pieces, capabilities, policy, plan);
     plan.compile_us = 1e6 * timer.seconds();
     return plan;
 }

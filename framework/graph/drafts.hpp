@@ -21,9 +21,11 @@ struct Past {
     VkPipelineStageFlags2 stages = 0;
     Time when = 0;
     std::uint32_t queue = 0;
-
-    bool operator==(const Past&) const = default;
+    /// Of a write that is not available yet, whose memory is taken over: its number. Else kNone.
+    std::uint32_t write = kNone;
 };
+/// Numbers the last writes of pieces, in this execution and in the one before.
+inline std::uint32_t write_of(PieceId piece, bool before) { return 2 * piece + before; }
 
 /// What is known of a barrier beside its own fields; one for each of Plan::barriers meanwhile.
 struct Draft {
@@ -32,13 +34,17 @@ struct Draft {
     std::uint32_t first_past = 0, past_count = 0; ///< all that it must order before its dst_stages
     Time from_when = 0;                           ///< when Barrier::from was
     bool release = false;                         ///< executed after `step`, with the releases
-    bool execution_only = false; ///< nothing becomes available, visible or another layout by it
+    bool light = false; ///< nothing becomes visible or another layout by it
     bool dead = false;
 };
 
-/// Marks those dead which order nothing that others do not order, in this execution or across two,
-/// and takes away stages that add nothing. `drafts` must be sorted by step, releases after the
-/// others of a step.
+/// Moves barriers to earlier steps, so that fewer batches hold them all. Those that are no releases
+/// must be sorted by step, and are not any more.
+void gather(const Plan& plan, std::vector<Draft>& drafts, const std::vector<Past>& pasts);
+
+/// Marks those of the light ones dead that order nothing, and make nothing available, that others
+/// do not, in this execution or across two; takes away stages that add nothing. `drafts` must be
+/// sorted by step, releases after the others of a step.
 void prune(Plan& plan, std::vector<Draft>& drafts, const std::vector<Past>& pasts);
 
 } // namespace ockham

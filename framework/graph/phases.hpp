@@ -38,6 +38,8 @@ inline bool shares_memory(const ResourceDecl& resource) {
 }
 
 /// Fills Plan::barriers, those of the steps and of the exit, final_states and usages.
-void synchronize(const Declaration& declaration, const Pieces& pieces, Plan& plan);
+/// With Order::batched, as early as that makes fewer batches.
+void synchronize(const Declaration& declaration, const Pieces& pieces,
+    const Capabilities& capabilities, const Policy& policy, Plan& plan);
 
 } // namespace ockham

@@ -52,9 +52,13 @@ Pieces::Pieces(const Declaration& declaration)
     count_ = 0;
     std::vector<std::uint64_t> columns, rows;
     auto next = uses.begin();
-    for (ResourceId id = 0; id < resources; ++id) {
+    for (ResourceId id = 0; id < resources;) {
+        // Ages of a history change places, so they are cut alike.
         const ResourceDecl& resource = declaration.resources[id];
-        const Part whole = ockham::part_of(declaration, Use{.resource = id});
+        const ResourceId end = id + 1 + resource.history_depth - resource.history_age;
+        const auto first = next;
+        while (next != uses.end() && (*next)->resource < end) ++next;
+
         const auto add = [&](const Part& part) {
             const Interval c = columns_of(resource, part), r = rows_of(resource, part);
             columns.insert(columns.end(), {c.begin, c.end});
@@ -62,13 +66,10 @@ Pieces::Pieces(const Declaration& declaration)
         };
         columns.clear();
         rows.clear();
-        add(whole);
-        const auto first = next;
-        for (; next != uses.end() && (*next)->resource == id; ++next)
-            add(ockham::part_of(declaration, **next));
+        add(ockham::part_of(declaration, Use{.resource = id}));
+        for (auto use = first; use != next; ++use) add(ockham::part_of(declaration, **use));
 
-        Grid& grid = grids_[id];
-        grid.first_piece = count_;
+        Grid grid;
         grid.first_cut = static_cast<std::uint32_t>(cuts_.size());
         grid.columns = append_cuts(cuts_, columns);
         grid.rows = append_cuts(cuts_, rows);
@@ -81,8 +82,12 @@ Pieces::Pieces(const Declaration& declaration)
                 index_of(column_cuts, grid.columns, c.end), index_of(row_cuts, grid.rows, r.begin),
                 index_of(row_cuts, grid.rows, r.end)};
         }
-        count_ += grid.columns * grid.rows;
-        resources_.resize(count_, id);
+        for (; id < end; ++id) {
+            grid.first_piece = count_;
+            grids_[id] = grid;
+            count_ += grid.columns * grid.rows;
+            resources_.resize(count_, id);
+        }
     }
 }
 

@@ -87,6 +87,14 @@ constexpr Time kNever = std::numeric_limits<Time>::min() / 2;
 struct Choice {
     Stages src = 0, dst = 0;
     bool dead = false;
+    bool flushes = false; ///< makes writes available
+};
+
+/// A write is available to whatever waits for a barrier.
+struct Available {
+    Time at = 0;
+    Stages to = 0; ///< that wait for it
+    std::uint32_t before = kNone;
 };
 
 class Pruner {
@@ -97,15 +105,20 @@ public:
           width_(queues_ * kRow), period_(period_of(plan)) {
         given_.reserve(drafts.size());
         for (std::size_t i = 0; i < drafts.size(); ++i)
-            given_.push_back({stages_of(plan.barriers[i].src_stages),
-                stages_of(plan.barriers[i].dst_stages), drafts[i].dead});
+            given_.push_back(
+                {stages_of(plan.barriers[i].src_stages), stages_of(plan.barriers[i].dst_stages),
+                    drafts[i].dead, plan.barriers[i].src_access != 0});
+        std::uint32_t writes = 0;
+        for (const Past& past : pasts)
+            if (past.write != kNone) writes = std::max(writes, past.write + 1);
+        newest_available_.resize(writes);
     }
 
     /// The choices for the plan executed again and again.
     std::vector<Choice> run() {
         const std::vector<Time> nothing(std::size_t{width_} * width_, kNever);
         if (std::none_of(drafts_.begin(), drafts_.end(),
-                [&](const Draft& draft) { return draft.execution_only && looks_back(draft); })) {
+                [&](const Draft& draft) { return draft.light && looks_back(draft); })) {
             walk(nothing, false);
             return std::move(choices_);
         }
@@ -160,6 +173,8 @@ private:
         next_.resize(std::size_t{kRow} * width_);
         choices_ = given_;
         without_looking_back_ = without_looking_back;
+        available_.clear();
+        std::fill(newest_available_.begin(), newest_available_.end(), kNone);
         std::vector<std::vector<std::uint32_t>> done(queues_);
         snapshots_.resize(plan_.submissions.size() * width_);
         std::size_t draft = 0;
@@ -236,13 +251,28 @@ private:
         return found;
     }
 
-    /// Calls visit(past, s, t) for each pair of stages of the draft that nothing orders yet.
+    /// Whether the write, if it is one to make available, is so for what follows in stage `t`.
+    bool is_available(const Past& past, std::uint32_t t) {
+        if (past.write == kNone) return true;
+        for (std::uint32_t i = newest_available_[past.write]; i != kNone;
+             i = available_[i].before) {
+            const Available& available = available_[i];
+            bool found = available.to >> t & 1;
+            each(available.to, [&](std::uint32_t d) {
+                found = found || newest(t)[queue_ * kRow + d] > available.at;
+            });
+            if (found) return true;
+        }
+        return false;
+    }
+
+    /// Calls visit(past, s, t) for each pair of stages of the draft that is not in order yet.
     template <class Visit>
     void each_open(std::size_t index, Visit visit) {
         for (const Past& past : pasts_of(drafts_[index]))
             each(stages_of(past.stages), [&](std::uint32_t s) {
                 each(given_[index].dst, [&](std::uint32_t t) {
-                    if (!after(newest(t), past, s)) visit(past, s, t);
+                    if (!after(newest(t), past, s) || !is_available(past, t)) visit(past, s, t);
                 });
             });
     }
@@ -256,11 +286,11 @@ private:
         for (; end < drafts_.size() && drafts_[end].step == step; ++end) {
             const Draft& draft = drafts_[end];
             if (draft.dead || draft.release) continue;
-            if (draft.execution_only) {
+            if (draft.light) {
                 light_.push_back(static_cast<std::uint32_t>(end));
             } else {
                 narrow_src(end);
-                apply(choices_[end], time_of(step));
+                apply(end, time_of(step));
             }
         }
         choose_light(time_of(step));
@@ -279,28 +309,38 @@ private:
             choices_[i].dead = !open;
             return !open;
         });
+        for (const std::uint32_t i : light_) narrow(i);
         if (light_.size() > 1) {
             const auto size = [&](std::uint32_t i) {
-                return std::popcount(given_[i].src) * std::popcount(given_[i].dst);
+                return std::popcount(choices_[i].src) * std::popcount(choices_[i].dst);
             };
             std::stable_sort(light_.begin(), light_.end(),
                 [&](std::uint32_t a, std::uint32_t b) { return size(a) < size(b); });
             for (const std::uint32_t i : light_) choices_[i].dead = implied_by_others(i);
         }
-        // Narrowed against all that is heavier, then put in.
         for (const std::uint32_t i : light_)
-            if (!choices_[i].dead) narrow(i);
-        for (const std::uint32_t i : light_)
-            if (!choices_[i].dead) apply(choices_[i], now);
+            if (!choices_[i].dead) apply(i, now);
     }
 
     bool implied_by_others(std::uint32_t index) {
+        const auto any = [&](std::uint32_t t, auto does) {
+            return std::any_of(light_.begin(), light_.end(), [&](std::uint32_t i) {
+                return i != index && !choices_[i].dead &&
+                       (with(kLater, choices_[i].dst) >> t & 1) && does(i);
+            });
+        };
         bool implied = true;
         each_open(index, [&](const Past& past, std::uint32_t s, std::uint32_t t) {
-            implied = implied && std::any_of(light_.begin(), light_.end(), [&](std::uint32_t i) {
-                return i != index && !choices_[i].dead && (with(kLater, given_[i].dst) >> t & 1) &&
-                       reaches(given_[i].src, past, s);
+            const bool ordered = after(newest(t), past, s) || any(t, [&](std::uint32_t i) {
+                return reaches(choices_[i].src, past, s);
             });
+            const bool available = is_available(past, t) || any(t, [&](std::uint32_t i) {
+                const auto pasts = pasts_of(drafts_[i]);
+                return choices_[i].flushes &&
+                       std::any_of(pasts.begin(), pasts.end(),
+                           [&](const Past& other) { return other.write == past.write; });
+            });
+            implied = implied && ordered && available;
         });
         return implied;
     }
@@ -310,10 +350,14 @@ private:
         Choice& choice = choices_[index];
         if ((choice.src | choice.dst) >> kOther & 1) return;
         Stages src = 0, dst = 0;
-        each_open(index, [&](const Past&, std::uint32_t s, std::uint32_t t) {
+        bool flushes = false;
+        each_open(index, [&](const Past& past, std::uint32_t s, std::uint32_t t) {
             src |= static_cast<Stages>(1u << s);
             dst |= static_cast<Stages>(1u << t);
+            flushes = flushes || !is_available(past, t);
         });
+        if (flushes) return;
+        choice.flushes = false;
         choice.src = src;
         choice.dst = dst;
         each(dst, [&](std::uint32_t t) {
@@ -327,7 +371,7 @@ private:
     void narrow_src(std::size_t index) {
         Choice& choice = choices_[index];
         const auto pasts = pasts_of(drafts_[index]);
-        if (std::has_single_bit(choice.src) || plan_.barriers[index].src_access || pasts.empty() ||
+        if (std::has_single_bit(choice.src) || choice.flushes || pasts.empty() ||
             choice.src >> kOther & 1)
             return;
         const Stages needed = choice.src;
@@ -345,8 +389,16 @@ private:
     }
 
     /// Puts a barrier into the batch.
-    void apply(const Choice& choice, Time now) {
+    void apply(std::size_t index, Time now) {
+        const Choice& choice = choices_[index];
         if (!choice.dst || !choice.src) return;
+        if (choice.flushes)
+            for (const Past& past : pasts_of(drafts_[index])) {
+                if (past.write == kNone) continue;
+                available_.push_back(
+                    {now, with(kLater, choice.dst), newest_available_[past.write]});
+                newest_available_[past.write] = static_cast<std::uint32_t>(available_.size() - 1);
+            }
         std::array<Time, 8 * kRow> known;
         std::fill(known.begin(), known.begin() + width_, kNever);
         const Stages src = with(kEarlier, choice.src);
@@ -369,8 +421,10 @@ private:
     const Time period_;
     std::vector<Choice> given_, choices_;
     std::vector<Time> clocks_, next_, snapshots_;
-    std::vector<std::uint32_t> light_; ///< of the batch: those that order execution only
-    Stages touched_ = 0;               ///< rows that the batch changes
+    std::vector<Available> available_;
+    std::vector<std::uint32_t> newest_available_; ///< per write
+    std::vector<std::uint32_t> light_;            ///< of the batch: those that order execution only
+    Stages touched_ = 0;                          ///< rows that the batch changes
     std::uint32_t queue_ = 0;
     bool without_looking_back_ = false;
 };
@@ -382,6 +436,7 @@ void prune(Plan& plan, std::vector<Draft>& drafts, const std::vector<Past>& past
     for (std::size_t i = 0; i < drafts.size(); ++i) {
         drafts[i].dead = choices[i].dead;
         Barrier& barrier = plan.barriers[i];
+        if (!choices[i].flushes && barrier.src_access) barrier.src_access = barrier.dst_access = 0;
         if (choices[i].src != stages_of(barrier.src_stages))
             barrier.src_stages = flags_of(choices[i].src);
         if (choices[i].dst != stages_of(barrier.dst_stages))

@@ -33,7 +33,8 @@ enum : std::uint8_t {
 /// readers in.
 struct Tail {
     VkPipelineStageFlags2 stages = 0; ///< that made the content; of a transition: that wait for it
-    VkAccessFlags2 unavailable = 0;   ///< by which it was written, if no barrier flushed that yet
+    VkAccessFlags2 written = 0;       ///< by which accesses; 0 for transitions
+    VkAccessFlags2 unavailable = 0;   ///< the same until a barrier flushes them
     /// Where else it is visible than through `barrier`.
     VkPipelineStageFlags2 seen_stages = 0;
     VkAccessFlags2 seen_access = 0;
@@ -44,9 +45,10 @@ struct Tail {
     /// there was none in this execution.
     std::uint32_t barrier = kNone;
     std::uint32_t barrier_queue = 0;
-    std::uint32_t reads = kNone;                    ///< since then: the newest
-    PassId pass = kNone;                            ///< the last that used it, in this execution
-    std::uint32_t step = kNone;                     ///< and its step
+    std::uint32_t reads = kNone; ///< since then: the newest
+    PassId pass = kNone;         ///< the last that used it, in this execution
+    std::uint32_t step = kNone;  ///< and its step
+    std::uint32_t submission = 0, last_queue = 0;
     std::uint32_t family = VK_QUEUE_FAMILY_IGNORED; ///< that owns it; IGNORED: whoever comes
     bool started = false;                           ///< used in this execution
     bool known = false;                             ///< used in any
@@ -97,9 +99,14 @@ bool contains(std::uint64_t set, std::uint64_t subset) { return (subset & ~set) 
 
 class Synchronizer {
 public:
-    Synchronizer(const Declaration& declaration, const Pieces& pieces, Plan& plan)
-        : declaration_(declaration), pieces_(pieces), plan_(plan), arrivals_(plan),
-          tails_(pieces.count()), flags_(declaration.resources.size()) {}
+    Synchronizer(const Declaration& declaration, const Pieces& pieces,
+        const Capabilities& capabilities, const Policy& policy, Plan& plan)
+        : declaration_(declaration), pieces_(pieces), policy_(policy), plan_(plan), arrivals_(plan),
+          tails_(pieces.count()), flags_(declaration.resources.size()) {
+        for (const PlanQueue& queue : plan.queues)
+            queues_.push_back(capabilities.families.empty() ? QueueFamily{}
+                                                            : capabilities.families[queue.family]);
+    }
 
     void run() {
         begin();
@@ -139,7 +146,7 @@ private:
         tail.used = resource.entry;
         if (!(flags & kImage)) tail.used.layout = VK_IMAGE_LAYOUT_UNDEFINED;
         tail.stages = resource.entry.stages;
-        tail.unavailable = resource.entry.access & kWriteAccess;
+        tail.written = tail.unavailable = resource.entry.access & kWriteAccess;
         tail.family = resource.entry.queue_family;
         if (!tail.unavailable) {
             // Who read it saw what it holds; if nobody did, everybody may.
@@ -148,6 +155,25 @@ private:
             tail.seen_access = all ? ~VkAccessFlags2{0} : resource.entry.access;
         }
         return tail;
+    }
+
+    /// What the caller did is waited for where the piece is first used. For stages that this queue
+    /// does not have, the caller has waited.
+    void meet_caller(Tail& tail, const Next& next) const {
+        tail.queue = next.queue;
+        if (queues_.empty() || queues_[next.queue].graphics) return;
+        constexpr VkPipelineStageFlags2 any =
+            VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT |
+            VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_CLEAR_BIT |
+            VK_PIPELINE_STAGE_2_HOST_BIT | VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT |
+            VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT;
+        constexpr VkPipelineStageFlags2 compute =
+            VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
+        tail.stages &= any | (queues_[next.queue].compute ? compute : 0);
+        if (tail.stages) return;
+        tail.written = tail.unavailable = 0;
+        tail.seen_stages = ~VkPipelineStageFlags2{0};
+        tail.seen_access = ~VkAccessFlags2{0};
     }
 
     /// How one execution leaves persistent resources is how the next finds them; of a history, the
@@ -255,6 +281,7 @@ private:
                 begin_anew(piece, id, tail, next);
                 return;
             }
+            if (flags & kExternal) meet_caller(tail, next);
         }
         const std::uint32_t family = family_of(next.queue);
         const bool moves = tail.family != family && tail.family != VK_QUEUE_FAMILY_IGNORED &&
@@ -292,7 +319,7 @@ private:
     bool sees(const Tail& tail, const Next& next, bool arrived) const {
         const VkAccessFlags2 access = next.state.access & ~kWriteAccess;
         const VkPipelineStageFlags2 stages = next.state.stages;
-        if (access == 0) return true;
+        if (access == 0 || !next.needs) return true;
         if (arrived && has_stages(arrivals_.stages(next.submission), stages)) return true;
         if (tail.barrier != kNone && tail.barrier_queue == next.queue) {
             const Barrier& barrier = plan_.barriers[tail.barrier];
@@ -308,7 +335,8 @@ private:
 
     void leave_tail(Tail& tail, const Next& next, std::uint32_t barrier) {
         tail.stages = next.state.stages;
-        tail.unavailable = next.state.access & (next.written ? kWriteAccess : 0);
+        tail.written = next.state.access & (next.written ? kWriteAccess : 0);
+        tail.unavailable = tail.written;
         tail.seen_stages = 0;
         tail.seen_access = 0;
         tail.used = next.state;
@@ -344,22 +372,29 @@ private:
     void settle(Tail& tail, const Next& next) const {
         tail.pass = next.pass;
         tail.step = next.step;
+        tail.submission = next.submission;
+        tail.last_queue = next.queue;
         tail.family = family_of(next.queue);
     }
 
     // ---- Drafts
 
-    /// The uses of the tail that `submission` has not seen completed: what to wait for.
-    VkPipelineStageFlags2 add_pasts(
-        const Tail& tail, std::uint32_t submission, bool content, Time shift) {
+    /// What must be waited for before the piece may be used otherwise: the reads, unless there are
+    /// none the content too, or where it is not available. Without what the submission has seen
+    /// completed.
+    VkPipelineStageFlags2 add_pasts(const Tail& tail, std::uint32_t submission, std::uint32_t queue,
+        bool content, Time shift = 0, std::uint32_t write = kNone) {
         VkPipelineStageFlags2 stages = 0;
-        const auto add = [&](const Past& past) {
-            if (past.stages == 0 || arrivals_.covers(submission, past.queue, past.when + shift))
+        const auto add = [&](Past past) {
+            past.when += shift;
+            // What other queues did is waited for by semaphores only.
+            if (past.stages == 0 || past.queue != queue ||
+                arrivals_.covers(submission, past.queue, past.when))
                 return;
             stages |= past.stages;
-            pasts_.push_back({past.stages, past.when + shift, past.queue});
+            pasts_.push_back(past);
         };
-        if (content || tail.reads == kNone) add({tail.stages, tail.when, tail.queue});
+        if (content || tail.reads == kNone) add({tail.stages, tail.when, tail.queue, write});
         for (std::uint32_t read = tail.reads; read != kNone; read = reads_[read].before)
             add(reads_[read].past);
         return stages;
@@ -380,17 +415,18 @@ private:
         Barrier barrier = barrier_to(id, tail, next);
         const bool reads_only = !next.written && !relation.changes;
         barrier.src_access = relation.arrived ? 0 : tail.unavailable;
-        if (reads_only) {
-            if (!relation.arrived && tail.stages) {
-                barrier.src_stages = tail.stages;
-                pasts_.push_back({tail.stages, tail.when, tail.queue});
-            }
-        } else {
-            barrier.src_stages = add_pasts(tail, next.submission, barrier.src_access != 0, 0);
+        if (reads_only && !relation.arrived && tail.queue == next.queue) {
+            // Flushed before or not: naming the write again needs no chain to who did it.
+            barrier.src_stages = tail.stages;
+            barrier.src_access = tail.written;
+            pasts_.push_back({tail.stages, tail.when, tail.queue});
+        } else if (!reads_only) {
+            barrier.src_stages =
+                add_pasts(tail, next.submission, next.queue, barrier.src_access != 0);
         }
         draft.past_count = static_cast<std::uint32_t>(pasts_.size()) - draft.first_past;
-        draft.execution_only = !relation.changes && relation.seen && barrier.src_access == 0;
-        if (draft.execution_only) {
+        draft.light = !relation.changes && relation.seen && barrier.src_access == 0;
+        if (draft.light) {
             if (draft.past_count == 0) return kNone;
             barrier.dst_access = 0;
         }
@@ -440,7 +476,8 @@ private:
     void begin_anew(PieceId piece, ResourceId id, Tail& tail, const Next& next) {
         Barrier barrier = barrier_to(id, tail, next);
         barrier.hazard = Hazard::first_use;
-        firsts_.push_back({add(barrier, {.piece = piece, .step = next.step}), next.submission});
+        firsts_.push_back(
+            {add(barrier, {.piece = piece, .step = next.step}), next.submission, next.queue});
         leave_tail(tail, next, kNone);
     }
 
@@ -465,8 +502,10 @@ private:
         draft.first_past = static_cast<std::uint32_t>(pasts_.size());
         Barrier barrier = barrier_to(id, tail, next);
         barrier.hazard = Hazard::release;
-        barrier.src_stages = add_pasts(tail, 0, tail.unavailable != 0, 0);
-        barrier.src_access = tail.unavailable;
+        const bool arrived = arrivals_.covers(tail.submission, tail.queue, tail.when);
+        barrier.src_access = arrived ? 0 : tail.unavailable;
+        barrier.src_stages =
+            add_pasts(tail, tail.submission, tail.last_queue, barrier.src_access != 0);
         barrier.dst_stages = barrier.dst_access = 0;
         barrier.src_family = tail.family;
         barrier.dst_family = family;
@@ -487,7 +526,7 @@ private:
                 exit(id);
             else if (some && (flags_[id] & kImage) && (flags_[id] & (kPersistent | kExported)) &&
                      pieces_.count(id) > 1)
-                unify(id, VK_IMAGE_LAYOUT_UNDEFINED);
+                unify(id);
         }
     }
 
@@ -515,7 +554,7 @@ private:
         const bool stays = resource.exit.layout == VK_IMAGE_LAYOUT_UNDEFINED || !image;
         if (stays && resource.exit.stages == 0 &&
             resource.exit.queue_family == VK_QUEUE_FAMILY_IGNORED) {
-            if (image && pieces_.count(id) > 1) unify(id, VK_IMAGE_LAYOUT_UNDEFINED);
+            if (image && pieces_.count(id) > 1) unify(id);
             return;
         }
         Next next = at_exit(resource.exit);
@@ -523,7 +562,6 @@ private:
         if (stays) next.state.layout = most_common_layout(id);
         for (PieceId piece = first; piece < end; ++piece) {
             Tail& tail = tails_[piece];
-            if (!tail.started && !(flags_[id] & kImage)) continue;
             const std::uint32_t to = resource.exit.queue_family;
             if (to != VK_QUEUE_FAMILY_IGNORED && tail.family != VK_QUEUE_FAMILY_IGNORED &&
                 to != tail.family) {
@@ -548,16 +586,16 @@ private:
         tail.family = family;
     }
 
+    /// Of the pieces that this execution uses; UNDEFINED if it uses none.
     VkImageLayout most_common_layout(ResourceId id) const {
         const PieceId first = pieces_.first(id), end = first + pieces_.count(id);
         VkImageLayout best = VK_IMAGE_LAYOUT_UNDEFINED;
-        std::uint32_t most = 0;
+        std::ptrdiff_t most = 0;
         for (PieceId piece = first; piece < end; ++piece) {
             const VkImageLayout layout = tails_[piece].used.layout;
-            std::uint32_t count = 0;
-            for (PieceId other = first; other < end; ++other)
-                count += tails_[other].used.layout == layout;
-            if (layout != VK_IMAGE_LAYOUT_UNDEFINED && count > most) {
+            const std::ptrdiff_t count = std::count_if(tails_.begin() + first, tails_.begin() + end,
+                [&](const Tail& tail) { return tail.started && tail.used.layout == layout; });
+            if (count > most) {
                 most = count;
                 best = layout;
             }
@@ -566,23 +604,23 @@ private:
     }
 
     /// All pieces into one layout, so that the resource as a whole has one.
-    void unify(ResourceId id, VkImageLayout layout) {
+    void unify(ResourceId id) {
         const PieceId first = pieces_.first(id), end = first + pieces_.count(id);
-        if (layout == VK_IMAGE_LAYOUT_UNDEFINED) layout = most_common_layout(id);
+        const VkImageLayout layout = most_common_layout(id);
         if (layout == VK_IMAGE_LAYOUT_UNDEFINED) return;
         AccessState state; // as the others in that layout were used
         for (PieceId piece = first; piece < end; ++piece)
-            if (tails_[piece].used.layout == layout) {
+            if (tails_[piece].started && tails_[piece].used.layout == layout) {
                 state.stages |= tails_[piece].used.stages;
                 state.access |= tails_[piece].used.access & ~kWriteAccess;
             }
         state.layout = layout;
         const Next next = at_exit(state);
-        for (PieceId piece = first; piece < end; ++piece) {
-            Tail& tail = tails_[piece];
-            const bool external = flags_[id] & kExternal;
-            if (tail.used.layout != layout && (tail.known || external)) touch(piece, id, next);
-        }
+        // What is never used comes in the layout in which the resource is left, or another age.
+        const bool all = (flags_[id] & kExternal) || source_of(id) != id;
+        for (PieceId piece = first; piece < end; ++piece)
+            if (tails_[piece].used.layout != layout && (tails_[piece].known || all))
+                touch(piece, id, next);
     }
 
     void set_final_states() {
@@ -626,14 +664,13 @@ private:
 
     struct First {
         std::uint32_t draft = kNone;
-        std::uint32_t submission = 0;
+        std::uint32_t submission = 0, queue = 0;
     };
 
     /// First uses wait for those who used the memory before.
     void hand_memory_over() {
         if (firsts_.empty()) return;
         const Owners owners(plan_);
-        const First* previous = nullptr;
         for (const First& first : firsts_) {
             Barrier& barrier = plan_.barriers[first.draft];
             Draft& draft = drafts_[first.draft];
@@ -642,7 +679,6 @@ private:
             for (const Owner& owner : owners.of(barrier.resource))
                 take_memory(owner, first, barrier, draft);
             draft.past_count = static_cast<std::uint32_t>(pasts_.size()) - draft.first_past;
-            if (previous) follow(*previous, draft, barrier);
             if (image) {
                 if (!barrier.src_stages) {
                     Next next;
@@ -650,25 +686,26 @@ private:
                     next.submission = first.submission;
                     barrier.src_stages = after_waits(next);
                 }
-            } else if (barrier.src_access == 0) {
-                draft.execution_only = true;
+            } else {
+                draft.light = true;
                 draft.dead = draft.past_count == 0;
-                barrier.dst_access = 0;
+                if (barrier.src_access == 0) barrier.dst_access = 0;
             }
-            previous = &first;
         }
     }
 
     void take_memory(const Owner& owner, const First& first, Barrier& barrier, Draft& draft) {
-        if (owner.resource != barrier.resource) barrier.hazard = Hazard::alias;
         const Time shift = owner.before ? -period_of(plan_) : 0;
+        const bool self = owner.resource == barrier.resource;
+        if (!self) barrier.hazard = Hazard::alias;
         const PieceId begin = pieces_.first(owner.resource);
         for (PieceId piece = begin; piece < begin + pieces_.count(owner.resource); ++piece) {
             const Tail& tail = tails_[piece];
-            if (!tail.started) continue;
+            if (!tail.started || (self && piece != draft.piece)) continue;
             const bool arrived = arrivals_.covers(first.submission, tail.queue, tail.when + shift);
             const VkAccessFlags2 unavailable = arrived ? 0 : tail.unavailable;
-            barrier.src_stages |= add_pasts(tail, first.submission, unavailable != 0, shift);
+            barrier.src_stages |= add_pasts(tail, first.submission, first.queue, unavailable != 0,
+                shift, unavailable ? write_of(piece, owner.before) : kNone);
             barrier.src_access |= unavailable;
             const Time when = time_of(tail.step);
             if (!owner.before && when > draft.from_when) {
@@ -678,19 +715,12 @@ private:
         }
     }
 
-    /// Another piece of the same resource made the memory available before.
-    void follow(const First& previous, const Draft& draft, Barrier& barrier) const {
-        const Barrier& other = plan_.barriers[previous.draft];
-        if (other.resource == barrier.resource && drafts_[previous.draft].step < draft.step &&
-            contains(other.dst_stages, barrier.dst_stages) &&
-            contains(other.src_access, barrier.src_access))
-            barrier.src_access = 0;
-    }
-
     // ---- The plan's barriers
 
     void finish() {
-        if (has_releases_) sort();
+        const bool batched = policy_.order == Order::batched;
+        if (batched) gather(plan_, drafts_, pasts_);
+        if (has_releases_ || batched) sort();
         if (!pieces_.whole()) merge();
         prune(plan_, drafts_, pasts_);
         const auto steps = static_cast<std::uint32_t>(plan_.steps.size());
@@ -763,7 +793,7 @@ private:
     bool join(std::size_t into, std::size_t other) {
         Barrier &a = plan_.barriers[into], &b = plan_.barriers[other];
         Draft &x = drafts_[into], &y = drafts_[other];
-        if (y.dead || x.execution_only != y.execution_only) return false;
+        if (y.dead || x.light != y.light) return false;
         Barrier alike = b;
         alike.part = a.part;
         alike.from = a.from;
@@ -810,8 +840,10 @@ private:
 
     const Declaration& declaration_;
     const Pieces& pieces_;
+    const Policy& policy_;
     Plan& plan_;
     const Arrivals arrivals_;
+    std::vector<QueueFamily> queues_; ///< per queue of the plan
     std::vector<Tail> tails_;         ///< per piece, as the walk has left it so far
     std::vector<std::uint8_t> flags_; ///< per resource
     std::vector<Read> reads_;
@@ -825,8 +857,9 @@ private:
 
 } // namespace
 
-void synchronize(const Declaration& declaration, const Pieces& pieces, Plan& plan) {
-    Synchronizer(declaration, pieces, plan).run();
+void synchronize(const Declaration& declaration, const Pieces& pieces,
+    const Capabilities& capabilities, const Policy& policy, Plan& plan) {
+    Synchronizer(declaration, pieces, capabilities, policy, plan).run();
 }
 
 } // namespace ockham

@@ -281,7 +281,8 @@ TEST(Synchronize, AReadInANewStageAcrossExecutionsWaits) {
     auto read = graph.add_compute_pass("read");
     read.read("count", count).side_effect("test");
     EXPECT_EQ(barrier_lines(graph),
-        "dispatch <- (before): count read_after_write | compute/none -> indirect/indirect_read\n"
+        "dispatch <- (before): count read_after_write | compute/storage_write -> "
+        "indirect/indirect_read\n"
         "write <- dispatch: count write_after_read | indirect/none -> compute/none\n"
         "read <- write: count read_after_write | compute/storage_write -> compute/storage_read\n");
 }
