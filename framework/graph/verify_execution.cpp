@@ -49,7 +49,8 @@ struct Write : Event {
 
     void add_available(Availability availability) {
         available[available_count % available.size()] = availability;
-        available_count = std::min(available_count + 1, static_cast<std::uint32_t>(available.size()));
+        available_count =
+            std::min(available_count + 1, static_cast<std::uint32_t>(available.size()));
     }
     void add_visible(std::uint32_t on, Stages stages_of_barrier, Accesses accesses_of_barrier) {
         if (queue != on) visible = {};
@@ -171,7 +172,7 @@ private:
 
     std::string text_of(const Barrier& barrier) const {
         return fmt::format("the barrier on {} for {}",
-            report_.resource(barrier.resource, barrier.part), report_.pass(barrier.to, "the exit"));
+            report_.resource(barrier.resource, barrier.part), report_.pass(pass_, "the exit"));
     }
 
     /// Adds a violation about a piece; `text` is called only if it is new.
@@ -249,6 +250,7 @@ private:
             const Barrier& barrier = plan_.barriers[i];
             const Scopes& scopes = scopes_[i];
             const std::uint32_t piece = grids_.first(barrier.resource);
+            pass_ = barrier.to;
             if ((scopes.src_access & ~possible_in(scopes.src)) ||
                 (scopes.dst_access & ~possible_in(scopes.dst)))
                 say(Kind::malformed, piece, barrier.from, barrier.to, [&] {
@@ -270,23 +272,14 @@ private:
 
     /// Persistent resources are zero, in the state in which an execution leaves them.
     void prepare() {
-        rings_.assign(declaration_.resources.size(), 0);
-        for (ResourceId id = 0; id < rings_.size(); ++id)
-            if (declaration_.resources[id].history_age && first_queue_[id] != kNone)
-                rings_[id - declaration_.resources[id].history_age] = 1;
-        for (ResourceId id = 0; id < rings_.size(); ++id) {
+        rotates_.assign(declaration_.resources.size(), 1);
+        for (ResourceId id = 0; id < rotates_.size(); ++id)
+            if (!tenants_[id].placement) rotates_[id - declaration_.resources[id].history_age] = 0;
+        for (ResourceId id = 0; id < rotates_.size(); ++id) {
             const ResourceDecl& resource = declaration_.resources[id];
             if (resource.lifetime != Lifetime::persistent) continue;
             ResourceId left = id; // whose state of the last execution it comes in
-            if (rotates(id)) {
-                left = resource.history_age ? id - 1 : id + resource.history_depth;
-                if (!tenants_[id].placement)
-                    say(Kind::placement, grids_.first(id), kNone, kNone, [&] {
-                        return fmt::format(
-                            "{} has no memory, but changes places with other ages of its history",
-                            report_.resource(id));
-                    });
-            }
+            if (rotates(id)) left = resource.history_age ? id - 1 : id + resource.history_depth;
             for (Piece& piece : pieces_of(id)) {
                 if (is_image(id)) piece.layout = plan_.final_states[left].layout;
                 piece.content = true; // complete, and visible to all
@@ -294,10 +287,10 @@ private:
         }
     }
 
-    /// Histories whose older ages are used change places; else the present one is all there is.
+    /// Histories change places where all of their ages have memory.
     bool rotates(ResourceId id) const {
         const ResourceDecl& resource = declaration_.resources[id];
-        return resource.history_depth && rings_[id - resource.history_age];
+        return resource.history_depth && rotates_[id - resource.history_age];
     }
 
     /// The caller's resources come as promised; former answers are not known any more.
@@ -364,12 +357,15 @@ private:
         }
         for (std::uint32_t i = 0; i < submission.step_count; ++i)
             execute(plan_.steps[submission.first_step + i], queue);
-        if (index + 1 == plan_.submissions.size())
+        if (index + 1 == plan_.submissions.size()) {
+            pass_ = kNone;
             batch(plan_.first_exit_barrier, plan_.exit_barrier_count, queue);
+        }
         signals_[queue].push_back(clocks_.signal(queue));
     }
 
     void execute(const Step& step, std::uint32_t queue) {
+        pass_ = step.pass;
         batch(step.first_barrier, step.barrier_count, queue);
         const PassDecl& pass = declaration_.passes[step.pass];
         const Point point = clocks_.advance(queue);
@@ -479,7 +475,7 @@ private:
         const Scopes& scopes = scopes_[index];
         const std::uint32_t first = grids_.first(id);
         if ((scopes.src | scopes.dst) & ~stages_[point.queue])
-            say(Kind::malformed, first, barrier.from, barrier.to, [&] {
+            say(Kind::malformed, first, barrier.from, pass_, [&] {
                 return fmt::format("{} is on queue {}, whose family has no stage {}",
                     text_of(barrier), point.queue,
                     stages_text(flags_of((scopes.src | scopes.dst) & ~stages_[point.queue])));
@@ -488,13 +484,13 @@ private:
         const bool releases = transfers && barrier.src_family == family_of(point.queue);
         const bool acquires = transfers && barrier.dst_family == family_of(point.queue);
         if (transfers && !releases && !acquires)
-            say(Kind::ownership, first, barrier.from, barrier.to, [&] {
+            say(Kind::ownership, first, barrier.from, pass_, [&] {
                 return fmt::format("{} moves it from family {} to {}, but is executed on family {}",
                     text_of(barrier), barrier.src_family, barrier.dst_family,
                     family_of(point.queue));
             });
         const bool changes = is_image(id) && barrier.old_layout != barrier.new_layout;
-        if (changes || acquires) begin(id, first, barrier.to);
+        if (changes || acquires) begin(id, first, pass_);
         if (barrier.hazard == Hazard::alias)
             for (const ResourceId owner :
                 tenants_[id].begun == execution_ ? tenants_[id].under : owners_below(id))
@@ -526,21 +522,25 @@ private:
         Piece& piece = pieces_[index];
         if (plan_.concurrent[id]) {
             if (barrier.src_family != barrier.dst_family)
-                say(Kind::ownership, index, barrier.from, barrier.to, [&] {
+                say(Kind::ownership, index, barrier.from, pass_, [&] {
                     return fmt::format(
                         "{} moves a resource between families that all own it", text_of(barrier));
                 });
             return;
         }
-        const bool anew = is_image(id) && barrier.old_layout == VK_IMAGE_LAYOUT_UNDEFINED;
+        // What has no content worth keeping need not change owners.
+        const bool anew = is_image(id)
+                              ? barrier.old_layout == VK_IMAGE_LAYOUT_UNDEFINED
+                              : declaration_.resources[id].lifetime == Lifetime::transient &&
+                                    tenants_[id].begun != execution_;
         if (acquires || anew) return;
         if (piece.transfer.pending)
-            say(Kind::ownership, index, barrier.from, barrier.to, [&] {
+            say(Kind::ownership, index, barrier.from, pass_, [&] {
                 return fmt::format("{} comes between its release to family {} and the acquire",
                     text_of(barrier), piece.transfer.to);
             });
         else if (piece.owner != kNobody && piece.owner != family_of(point.queue))
-            say(Kind::ownership, index, barrier.from, barrier.to, [&] {
+            say(Kind::ownership, index, barrier.from, pass_, [&] {
                 return fmt::format("{} is executed on family {}, but family {} owns it",
                     text_of(barrier), family_of(point.queue), piece.owner);
             });
@@ -551,7 +551,7 @@ private:
         const Barrier& barrier, Piece& piece, std::uint32_t index, Point point, const Row& scope) {
         const auto waits_for = [&](const Event& event) {
             if (covers(scope, point.queue, event)) return true;
-            say(Kind::execution, index, event.pass, barrier.to, [&] {
+            say(Kind::execution, index, event.pass, pass_, [&] {
                 return fmt::format("{} changes it from {} to {}, but does not wait for {}",
                     text_of(barrier), layout_text(barrier.old_layout),
                     layout_text(barrier.new_layout), text_of(event));
@@ -566,7 +566,7 @@ private:
                 });
             // Made available by this batch: by a barrier that names it, so by this one or a twin.
             if (!now && !is_available(scope, point.queue, write))
-                say(Kind::memory, index, write.pass, barrier.to, [&] {
+                say(Kind::memory, index, write.pass, pass_, [&] {
                     return fmt::format(
                         "{} changes it before {} is available", text_of(barrier), text_of(write));
                 });
@@ -579,7 +579,7 @@ private:
         if (!is_image(barrier.resource) || barrier.old_layout == VK_IMAGE_LAYOUT_UNDEFINED ||
             barrier.old_layout == piece.layout)
             return;
-        say(Kind::layout, index, barrier.from, barrier.to, [&] {
+        say(Kind::layout, index, barrier.from, pass_, [&] {
             return fmt::format("{} expects layout {}, but it is in {}", text_of(barrier),
                 layout_text(barrier.old_layout), layout_text(piece.layout));
         });
@@ -598,7 +598,7 @@ private:
         const Row& scope, bool acquires) {
         Piece& piece = pieces_[index];
         if (piece.transition.queue == point.queue && piece.transition.index == point.index)
-            say(Kind::layout, index, barrier.from, barrier.to, [&] {
+            say(Kind::layout, index, barrier.from, pass_, [&] {
                 return fmt::format("{} is not the only one in its batch", text_of(barrier));
             });
         piece.transition = point;
@@ -629,7 +629,7 @@ private:
         Write& write = piece.writes.emplace_back();
         write.what = Event::What::barrier;
         write.any = true;
-        write.pass = barrier.to;
+        write.pass = pass_;
         write.execution = execution_;
         write.at = point;
         write.stages = scopes.second;
@@ -640,7 +640,7 @@ private:
     void acquire(const Barrier& barrier, std::uint32_t index, const Row& scope) {
         const Transfer& transfer = pieces_[index].transfer;
         const auto complain = [&](std::string text) {
-            say(Kind::ownership, index, barrier.from, barrier.to, [&] {
+            say(Kind::ownership, index, barrier.from, pass_, [&] {
                 return fmt::format("{} acquires it from family {}, but {}", text_of(barrier),
                     barrier.src_family, text);
             });
@@ -710,6 +710,12 @@ private:
         }
         piece.owner = family;
         piece.transfer = {};
+        if (meaning.needs && declaration_.resources[id].history_age && !rotates(id))
+            say(Kind::content, index, kNone, accessor.pass, [&] {
+                return fmt::format("{}, but not all ages of its history have memory, so that they "
+                                   "never change places",
+                    text_of(accessor, id, index));
+            });
         if (meaning.needs && !piece.content && !guards_.cover(piece.writers, accessor.guard))
             say(Kind::content, index, kNone, accessor.pass, [&] {
                 return fmt::format("{}, but {}", text_of(accessor, id, index),
@@ -747,10 +753,19 @@ private:
                     });
                     return;
                 }
-                if (clocks_.is_seen(accessor.queue, stage, write.at)) return;
+                // A write after a write needs it available, only a read needs it visible:
+                // "location- ordered" in
+                // https://docs.vulkan.org/spec/latest/appendices/memorymodel.html
+                if (meaning.writes && !is_available(accessor.queue, stage, write))
+                    say(Kind::memory, index, write.pass, accessor.pass, [&] {
+                        return fmt::format("{}, but nothing makes {} available before",
+                            text_of(accessor, id, index), text_of(write));
+                    });
+                if (!meaning.needs || clocks_.is_seen(accessor.queue, stage, write.at)) return;
                 const Accesses visible =
                     write.queue == accessor.queue ? write.visible[stage] : Accesses{0};
-                const Accesses blind = meaning.accesses & possible_in(bit) & ~visible;
+                const Accesses blind =
+                    meaning.accesses & ~writes_of(meaning.accesses) & possible_in(bit) & ~visible;
                 if (blind)
                     say(Kind::memory, index, write.pass, accessor.pass, [&] {
                         return fmt::format("{}, but nothing makes {} visible to {}",
@@ -836,16 +851,22 @@ private:
         }
     }
 
+    /// A released image is in the new layout once the caller has acquired it.
+    static VkImageLayout layout_left(const Piece& piece) {
+        return piece.transfer.pending ? piece.transfer.new_layout : piece.layout;
+    }
+
     /// What is kept is as the plan says, and whole.
     void check_left(ResourceId id) {
         const VkImageLayout said = plan_.final_states[id].layout;
         for (std::uint32_t i = 0; i < grids_.count(id); ++i) {
             const std::uint32_t index = grids_.first(id) + i;
             const Piece& piece = pieces_[index];
-            if (is_image(id) && piece.layout != VK_IMAGE_LAYOUT_UNDEFINED && piece.layout != said)
+            const VkImageLayout layout = layout_left(piece);
+            if (is_image(id) && layout != VK_IMAGE_LAYOUT_UNDEFINED && layout != said)
                 say(Kind::layout, index, kNone, kNone, [&] {
                     return fmt::format("{} is left in layout {}, but the plan says {}",
-                        report_.resource(id, grids_.part_of(index)), layout_text(piece.layout),
+                        report_.resource(id, grids_.part_of(index)), layout_text(layout),
                         layout_text(said));
                 });
             if (piece.lost)
@@ -862,15 +883,16 @@ private:
         caller.meaning.stages = stages_of(exit.stages);
         caller.meaning.accesses = accesses_of(exit.access);
         caller.meaning.writes = writes_of(caller.meaning.accesses) != 0;
+        caller.meaning.needs = true;
         for (std::uint32_t i = 0; i < grids_.count(id); ++i) {
             const std::uint32_t index = grids_.first(id) + i;
             const Piece& piece = pieces_[index];
             const auto name = [&] { return report_.resource(id, grids_.part_of(index)); };
             if (is_image(id) && exit.layout != VK_IMAGE_LAYOUT_UNDEFINED &&
-                piece.layout != exit.layout)
+                layout_left(piece) != exit.layout)
                 say(Kind::layout, index, kNone, kNone, [&] {
                     return fmt::format("{} is promised to the caller in layout {}, but left in {}",
-                        name(), layout_text(exit.layout), layout_text(piece.layout));
+                        name(), layout_text(exit.layout), layout_text(layout_left(piece)));
                 });
             const bool released = piece.transfer.pending && piece.transfer.to == exit.queue_family;
             if (exit.queue_family != kNobody && !released &&
@@ -879,9 +901,16 @@ private:
                     return fmt::format("{} is promised to family {}, but not released to it",
                         name(), exit.queue_family);
                 });
-            // Who acquires it synchronizes by the semaphore.
-            if (!released) expect_synchronized(caller, piece, id, index);
+            // Who acquires it synchronizes by the semaphore, and what nobody here touched is as it
+            // was.
+            if (!released && !is_untouched(piece)) expect_synchronized(caller, piece, id, index);
         }
+    }
+
+    static bool is_untouched(const Piece& piece) {
+        const auto by_caller = [](const Event& event) { return event.what == Event::What::caller; };
+        return std::all_of(piece.writes.begin(), piece.writes.end(), by_caller) &&
+               std::all_of(piece.reads.begin(), piece.reads.end(), by_caller);
     }
 
     /// Bytes of a heap and who used them last.
@@ -904,9 +933,10 @@ private:
     std::vector<Stages> stages_;              ///< per queue
     std::vector<Meaning> meanings_;           ///< per use
     std::vector<Scopes> scopes_;              ///< per barrier
-    std::vector<std::uint8_t> rings_;         ///< per present age: older ones are used
+    std::vector<std::uint8_t> rotates_;       ///< per present age
     std::vector<Row> first_scopes_;           ///< of the present batch
     std::uint32_t execution_ = 0;
+    PassId pass_ = kNone;                              ///< whose batch it is; kNone: the exit's
     std::vector<std::vector<Clocks::Signal>> signals_; ///< per queue, of this execution
     std::vector<Clocks::Signal> last_signals_;         ///< per queue, of the previous execution
     std::vector<bool> submitted_;

@@ -441,6 +441,7 @@ Guards::Guards(const Declaration& declaration) {
         Literals chain = guard.parent == kNone ? Literals{} : literals_[guard.parent];
         chain.push_back(2 * guard.condition + guard.wanted);
         std::sort(chain.begin(), chain.end());
+        chain.erase(std::unique(chain.begin(), chain.end()), chain.end());
         literals_.push_back(std::move(chain));
     }
 }
