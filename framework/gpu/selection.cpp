@@ -29,19 +29,34 @@ bool has_extension(const std::vector<VkExtensionProperties>& extensions, const c
         extensions, [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
-/// The layer reads from the environment what has no place in the API of 1.3.239: without the second
-/// switch, hazards between command buffers pass unseen.
-void enable_queue_submit_checks() {
-    constexpr const char* kVariable = "VK_LAYER_ENABLES";
-    constexpr const char* kSwitches = "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:"
-                                      "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_"
-                                      "SUBMIT";
-    const char* present = std::getenv(kVariable);
-    if (present && std::strstr(present, kSwitches)) return;
-    const std::string value =
-        present && *present ? fmt::format("{}:{}", present, kSwitches) : kSwitches;
-    setenv(kVariable, value.c_str(), 1);
-}
+/// The layer reads from the environment, while an instance is created, what has no place in the API
+/// of 1.3.239: without the second switch, hazards between command buffers pass unseen. What was
+/// there before comes back, so that later instances are not concerned.
+class QueueSubmitChecks {
+public:
+    QueueSubmitChecks() {
+        constexpr const char* kSwitches =
+            "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:"
+            "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT";
+        if (const char* present = std::getenv(kVariable)) before_ = present;
+        const std::string value =
+            before_ && !before_->empty() ? fmt::format("{}:{}", *before_, kSwitches) : kSwitches;
+        setenv(kVariable, value.c_str(), 1);
+    }
+    ~QueueSubmitChecks() {
+        if (before_) {
+            setenv(kVariable, before_->c_str(), 1);
+        } else {
+            unsetenv(kVariable);
+        }
+    }
+    QueueSubmitChecks(const QueueSubmitChecks&) = delete;
+    QueueSubmitChecks& operator=(const QueueSubmitChecks&) = delete;
+
+private:
+    static constexpr const char* kVariable = "VK_LAYER_ENABLES";
+    std::optional<std::string> before_;
+};
 
 /// One feature: where it is, whether the device must have it, and what it adds to the score.
 template <class Struct>
@@ -178,10 +193,11 @@ Instance create_instance(Validation validation, ValidationLog& log) {
     instance.debug_utils = has_extension(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (instance.debug_utils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
 
+    std::optional<QueueSubmitChecks> checks;
     std::vector<VkValidationFeatureEnableEXT> enables;
     if (validation == Validation::sync) {
         enables.push_back(VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT);
-        enable_queue_submit_checks();
+        checks.emplace();
     } else if (validation == Validation::gpu) {
         enables.push_back(VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT);
         enables.push_back(VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT);

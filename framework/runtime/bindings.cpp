@@ -133,15 +133,15 @@ void Bindings::check_direction(PassId pass, const Slot& slot, const Use& use) co
             does, binding.name, name_of(use.access),
             ockham::describe(declaration_.resources[use.resource]), remedy);
     };
+    if (!binding.writes && use.access == Access::storage_write) {
+        refuse(
+            "qualifies readonly and so cannot write", "declare a read, or let the shader write it");
+    }
     if (binding.writes && !writes(use.access)) {
         refuse("may write", "qualify it readonly in the shader, or declare the write");
     }
     if (binding.reads && use.access == Access::storage_write) {
         refuse("may read", "qualify it writeonly in the shader, or declare read_write");
-    }
-    if (!binding.writes && use.access == Access::storage_write) {
-        refuse(
-            "qualifies readonly and so cannot write", "declare a read, or let the shader write it");
     }
 }
 

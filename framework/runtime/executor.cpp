@@ -3,6 +3,7 @@
 
 #include "framework/gpu/transfer.hpp"
 #include "framework/graph/explain.hpp"
+#include "framework/graph/verify.hpp"
 #include "framework/runtime/frame.hpp"
 #include "framework/runtime/misuse.hpp"
 #include "framework/runtime/recorder.hpp"
@@ -17,10 +18,22 @@ namespace ockham {
 
 namespace {
 
+#ifdef NDEBUG
+constexpr bool kDebug = false;
+#else
+constexpr bool kDebug = true;
+#endif
+
 ExecutorOptions with_environment(ExecutorOptions options) {
     const char* poison = std::getenv("OCKHAM_POISON");
     options.poison |= poison && std::string_view(poison) == "1";
     return options;
+}
+
+Capabilities capabilities_for(const gpu::Device& device, const ExecutorOptions& options) {
+    Capabilities capabilities = capabilities_of(device);
+    if (!options.pretended_families.empty()) capabilities.families = options.pretended_families;
+    return capabilities;
 }
 
 /// Texels, channels interleaved, as planes.
@@ -47,10 +60,11 @@ public:
         : device_(device), policy_(policy), options_(with_environment(options)),
           graph_(std::move(graph)), plan_(std::move(plan)),
           answers_(declaration().conditions.size(), 1),
-          resources_(device, graph_, plan_, options.one_queue),
-          recorder_(device, graph_, plan_, resources_, {options_.poison, options.one_queue}),
-          submitter_(device, declaration(), plan_, options.one_queue) {
+          resources_(device, graph_, plan_, pretends()),
+          recorder_(device, graph_, plan_, resources_, {options_.poison, pretends()}),
+          submitter_(device, declaration(), plan_, pretends()) {
         check(options.slots > 0, "an executor needs at least one slot");
+        if (kDebug || device.validation() == gpu::Validation::sync) expect_verified();
         if (options_.poison) resources_.enable_poison();
         std::vector<std::uint32_t> families;
         for (std::uint32_t i = 0; i < plan_.queues.size(); ++i) {
@@ -114,6 +128,7 @@ public:
             abandon_execution();
             throw;
         }
+        last_ = &frame;
         finish_execution();
     }
 
@@ -142,6 +157,8 @@ public:
             abandon_execution();
             throw;
         }
+        last_ = nullptr; // no times
+        times_.clear();
         finish_execution();
     }
 
@@ -169,7 +186,6 @@ public:
     void keep_content(Impl& old) {
         old.wait_all();
         resources_.keep_content(old.resources_);
-        rotate_next_ = old.rotate_next_;
     }
 
     std::vector<std::byte> read(BufferHandle handle) {
@@ -203,6 +219,18 @@ public:
 
 private:
     const Declaration& declaration() const { return graph_.declaration(); }
+    bool pretends() const { return !options_.pretended_families.empty(); }
+
+    void expect_verified() const {
+        if (!options_.verify) return;
+        const std::string text =
+            violations_text(verify(declaration(), plan_, capabilities_for(device_, options_)));
+        if (text.empty()) return;
+        fail_graph(declaration(), "bad-plan",
+            "the plan does not do what is declared; this is a mistake of the compiler, or of who "
+            "changed the plan:\n{}",
+            text);
+    }
 
     bool consents(GuardId guard) const {
         for (; guard != kNone; guard = declaration().guards[guard].parent) {
@@ -225,16 +253,13 @@ private:
     }
 
     void begin_execution() {
-        if (rotate_next_) resources_.rotate(1);
+        resources_.rotate(1); // at first zeros among zeros, into the states of a later execution
     }
-    void abandon_execution() {
-        if (rotate_next_) resources_.rotate(-1);
-    }
+    void abandon_execution() { resources_.rotate(-1); }
     void finish_execution() {
         resources_.finish();
         points_.clear();
-        rotate_next_ = executed_ = true;
-        last_ = frames_[next_].get();
+        executed_ = true;
         next_ = (next_ + 1) % frames_.size();
     }
 
@@ -323,7 +348,6 @@ private:
     std::vector<std::unique_ptr<Frame>> frames_;
     std::size_t next_ = 0;        ///< frame of the next execution
     const Frame* last_ = nullptr; ///< of the last execution, until its times are read
-    bool rotate_next_ = false;    ///< histories hold what an execution wrote
     bool executed_ = false;
     std::vector<ImportPoint> points_; ///< for the next execution
     std::vector<PassTime> times_;
@@ -331,7 +355,7 @@ private:
 
 Executor::Executor(
     gpu::Device& device, Graph graph, const Policy& policy, const ExecutorOptions& options) {
-    Plan plan = make_plan(device, graph, policy);
+    Plan plan = make_plan(device, graph, policy, capabilities_for(device, options));
     impl_ = std::make_unique<Impl>(device, std::move(graph), std::move(plan), policy, options);
 }
 
@@ -361,7 +385,8 @@ const std::vector<PassTime>& Executor::times() const { return impl_->times(); }
 bool Executor::update(Graph graph) {
     if (impl_->take_recorders(graph)) return true;
     gpu::Device& device = impl_->device();
-    Plan plan = make_plan(device, graph, impl_->policy());
+    Plan plan =
+        make_plan(device, graph, impl_->policy(), capabilities_for(device, impl_->options()));
     auto fresh = std::make_unique<Impl>(
         device, std::move(graph), std::move(plan), impl_->policy(), impl_->options());
     fresh->keep_content(*impl_);

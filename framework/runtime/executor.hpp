@@ -35,9 +35,13 @@ struct ExecutorOptions {
     /// Executions that may be in flight at a time, >= 1; submit() waits when there are more. So
     /// many recordings by record() may be pending.
     std::uint32_t slots = 1;
-    /// Runs plans for several queues on the main queue alone, with the plan's waits and without its
-    /// changes of owner: for tests on devices that have one.
-    bool one_queue = false;
+    /// Not empty: plans as for a device with these queue families and runs the plan on the main
+    /// queue alone, with its waits and without its changes of owner. For tests on devices that have
+    /// one queue.
+    std::vector<QueueFamily> pretended_families = {};
+    /// In debug builds and under Validation::sync, verify() checks the plan first; a violation is
+    /// an Error.
+    bool verify = true;
 };
 
 /// Semaphores of an import's owner, for the next execution. It waits for `wait` before anything

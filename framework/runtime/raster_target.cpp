@@ -2,7 +2,8 @@
 #include "framework/runtime/raster_target.hpp"
 
 #include "framework/gpu/device.hpp"
-#include "framework/runtime/misuse.hpp"
+
+#include <fmt/format.h>
 
 namespace ockham {
 
@@ -69,14 +70,7 @@ RasterTarget RasterTargets::create(
         const Use& use = declaration_.uses[i];
         const gpu::ImageInfo& info = resources_[use.resource].image->info();
         const VkExtent3D extent = gpu::mip_extent(info, part_of(declaration_, use).first_mip);
-        if (!target.attachments.empty() &&
-            (extent.width != target.extent.width || extent.height != target.extent.height)) {
-            fail_pass(declaration_, pass, "attachment-extent",
-                "attachment {} is {} x {}, the others are {} x {}",
-                describe(declaration_.resources[use.resource]), extent.width, extent.height,
-                target.extent.width, target.extent.height);
-        }
-        target.extent = {extent.width, extent.height};
+        target.extent = {extent.width, extent.height}; // of all, as compile() has checked
         target.attachments.push_back(
             {info.format, load_op(use.load), use.access == Access::depth_attachment});
     }

@@ -28,7 +28,6 @@ public:
     RasterTargets(const RasterTargets&) = delete;
     RasterTargets& operator=(const RasterTargets&) = delete;
 
-    /// Throws Error(input) where attachments have several sizes.
     const RasterTarget& of(PassId pass);
     /// Destroys those that draw to the resource, whose views may be gone.
     void forget(ResourceId id);

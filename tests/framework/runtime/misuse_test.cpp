@@ -3,8 +3,10 @@
 // shader and the thing, and leaves the device usable.
 #include "framework/gpu/buffer.hpp"
 #include "framework/gpu/image.hpp"
+#include "framework/gpu/transfer.hpp"
 #include "framework/runtime/commands.hpp"
 #include "framework/runtime/executor.hpp"
+#include "tests/framework/runtime/small_passes.hpp"
 #include "tests/support/gpu_fixture.hpp"
 
 #include <functional>
@@ -58,7 +60,8 @@ TEST_F(MisuseTest, MissingBinding) {
         [](Commands& commands) {
             commands.dispatch({.shader = "test/number.comp", .push = as_push(kPush)}, {1, 1, 1});
         });
-    expect_contains(text, {"'bad'", "test/number.comp", "'numbers'", "misspelt"});
+    expect_contains(text, {"[undeclared-binding]", "graph 'misuse'", "pass 'bad' (misuse_test.cpp:",
+                              "test/number.comp", "'numbers'", "misspelt"});
 }
 
 TEST_F(MisuseTest, WrongKind) {
@@ -70,7 +73,8 @@ TEST_F(MisuseTest, WrongKind) {
         [](Commands& commands) {
             commands.dispatch({.shader = "test/number.comp", .push = as_push(kPush)}, {1, 1, 1});
         });
-    expect_contains(text, {"'bad'", "'numbers'", "storage buffer", "storage image", "'picture'"});
+    expect_contains(text, {"[binding-kind]", "'bad'", "'numbers'", "storage buffer",
+                              "storage image", "image 'picture' (misuse_test.cpp:"});
 }
 
 TEST_F(MisuseTest, ShaderWritesWhatIsDeclaredRead) {
@@ -81,7 +85,8 @@ TEST_F(MisuseTest, ShaderWritesWhatIsDeclaredRead) {
         [](Commands& commands) {
             commands.dispatch({.shader = "test/number.comp", .push = as_push(kPush)}, {1, 1, 1});
         });
-    expect_contains(text, {"'bad'", "test/number.comp", "may write", "'numbers'", "storage_read"});
+    expect_contains(text, {"[binding-direction]", "'bad'", "test/number.comp", "may write",
+                              "'numbers'", "storage_read"});
 }
 
 TEST_F(MisuseTest, ShaderReadsWhatIsDeclaredWrite) {
@@ -93,7 +98,8 @@ TEST_F(MisuseTest, ShaderReadsWhatIsDeclaredWrite) {
             const std::uint32_t value = 1;
             commands.dispatch({.shader = "test/mark.comp", .push = as_push(value)}, {1, 1, 1});
         });
-    expect_contains(text, {"'bad'", "test/mark.comp", "may read", "'marks'", "storage_write"});
+    expect_contains(text,
+        {"[binding-direction]", "'bad'", "test/mark.comp", "may read", "'marks'", "storage_write"});
 }
 
 TEST_F(MisuseTest, WrongFormat) {
@@ -106,26 +112,27 @@ TEST_F(MisuseTest, WrongFormat) {
             const float offset = 0;
             commands.dispatch({.shader = "test/gradient.comp", .push = as_push(offset)}, {1, 1, 1});
         });
-    expect_contains(text, {"'bad'", "'target'", "R32_SFLOAT", "'half'", "R16_SFLOAT"});
+    expect_contains(
+        text, {"[binding-format]", "'bad'", "'target'", "R32_SFLOAT", "'half'", "R16_SFLOAT"});
 }
 
 TEST_F(MisuseTest, WrongPushSize) {
     const std::uint32_t one = 1;
     expect_contains(dispatch_numbers(as_push(one), {1, 1, 1}),
-        {"'bad'", "test/number.comp", "8 bytes", "got 4"});
+        {"[push-size]", "'bad'", "test/number.comp", "8 bytes", "got 4"});
     expect_contains(dispatch_numbers({}, {1, 1, 1}), {"'bad'", "8 bytes", "got 0"});
 }
 
 TEST_F(MisuseTest, TooManyGroups) {
     expect_contains(dispatch_numbers(as_push(kPush), {1, 65536, 1}),
-        {"'bad'", "test/number.comp", "1 x 65536 x 1", "65535"});
+        {"[too-many-groups]", "'bad'", "test/number.comp", "1 x 65536 x 1", "65535"});
 }
 
 TEST_F(MisuseTest, UnknownShaderAndConstant) {
     const std::string text = run(declare_numbers, [](Commands& commands) {
         commands.dispatch({.shader = "test/none.comp"}, {1, 1, 1});
     });
-    expect_contains(text, {"'bad'", "test/none.comp", "test/number.comp"});
+    expect_contains(text, {"[bad-shader]", "'bad'", "test/none.comp", "test/number.comp"});
     expect_contains(dispatch_numbers(as_push(kPush), {1, 1, 1}, {{7, 1}}),
         {"'bad'", "test/number.comp", "constant 7"});
 }
@@ -147,12 +154,12 @@ TEST_F(MisuseTest, CommandsInTheWrongPass) {
     expect_contains(
         run(declare_numbers,
             [](Commands& commands) { commands.bind({.vertex_shader = "test/triangle.vert"}); }),
-        {"'bad'", "bind()", "raster pass", "compute pass"});
+        {"[wrong-pass-kind]", "'bad'", "bind()", "raster pass", "compute pass"});
     expect_contains(run(declare_numbers,
                         [](Commands& commands) {
                             commands.fill(BufferHandle{0, 1}, 0);
                         }),
-        {"'bad'", "fill()", "'numbers'", "transfer_write"});
+        {"[undeclared-access]", "'bad'", "fill()", "'numbers'", "transfer_write"});
 }
 
 TEST_F(MisuseTest, NothingBoundToAnImport) {
@@ -167,16 +174,18 @@ TEST_F(MisuseTest, NothingBoundToAnImport) {
     });
     graph.export_resource(target, "checked");
     Executor executor(device(), std::move(graph));
-    expect_contains(error_of([&] { executor.execute(); }), {"imports", "'from_caller'", "bind()"});
+    expect_contains(error_of([&] { executor.execute(); }),
+        {"[unbound-import]", "imports", "'from_caller'", "bind()"});
     const gpu::Buffer small(
         device(), {.bytes = 4, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = "small"});
     expect_contains(error_of([&] { executor.bind(imported, small); }),
-        {"'small'", "'from_caller'", "4", "256"});
+        {"[import-mismatch]", "'small'", "'from_caller'", "4", "256"});
     const gpu::Buffer copied(
         device(), {.bytes = 256, .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT, .name = "copied"});
-    expect_contains(
-        error_of([&] { executor.bind(imported, copied); }), {"'copied'", "'from_caller'", "usage"});
-    expect_contains(error_of([&] { (void)executor.read(target); }), {"'target'", "execute()"});
+    expect_contains(error_of([&] { executor.bind(imported, copied); }),
+        {"[missing-usage]", "'copied'", "'from_caller'", "usage"});
+    expect_contains(error_of([&] { (void)executor.read(target); }),
+        {"[not-executed]", "'target'", "execute()"});
 }
 
 TEST_F(MisuseTest, ReadingWhatIsNotKept) {
@@ -195,8 +204,199 @@ TEST_F(MisuseTest, ReadingWhatIsNotKept) {
     graph.export_resource(target, "checked");
     Executor executor(device(), std::move(graph));
     executor.execute();
+    expect_contains(error_of([&] { (void)executor.read(numbers); }),
+        {"[not-kept]", "'numbers'", "not kept", "export"});
+}
+
+TEST_F(MisuseTest, ShaderReadsOnlyWhatIsDeclaredWrite) {
+    const std::string text = run(
+        [](Graph& graph, PassBuilder& pass) {
+            (void)pass.write("source", graph.create_buffer("from", {256}));
+            (void)pass.write("target", graph.create_buffer("to", {256}));
+        },
+        [](Commands& commands) {
+            commands.dispatch({.shader = "test/add_one.comp"}, {1, 1, 1});
+        });
+    expect_contains(text, {"[binding-direction]", "'source'", "cannot write", "buffer 'from'"});
+}
+
+TEST_F(MisuseTest, WrongStage) {
+    Graph graph("stages");
+    PassBuilder first = graph.add_compute_pass("first");
+    const BufferHandle numbers = first.write("numbers", graph.create_buffer("corners", {256}));
+    first.record([](Commands& commands) {
+        commands.dispatch({.shader = "test/number.comp", .push = as_push(kPush)}, {1, 1, 1});
+    });
+    PassBuilder draw = graph.add_raster_pass("draw");
+    draw.read("vertices", numbers, Stage::fragment);
+    const ImageHandle depth = draw.depth(
+        graph.create_image("depth", {.format = VK_FORMAT_D32_SFLOAT, .width = 4, .height = 4}), 0);
+    draw.record([](Commands& commands) { commands.bind({.vertex_shader = "test/triangle.vert"}); });
+    graph.export_resource(depth, "checked");
+    Executor executor(device(), std::move(graph));
+    expect_contains(error_of([&] { executor.execute(); }),
+        {"[binding-stage]", "'draw'", "'vertices'", "fragment", "'corners'"});
+}
+
+TEST_F(MisuseTest, WrongDimension) {
+    const auto text = [](const ImageDesc& desc) {
+        return run(
+            [&](Graph& graph, PassBuilder& pass) {
+                (void)pass.write("target", graph.create_image("solid", desc));
+            },
+            [](Commands& commands) {
+                const float offset = 0;
+                commands.dispatch(
+                    {.shader = "test/gradient.comp", .push = as_push(offset)}, {1, 1, 1});
+            });
+    };
+    const VkFormat format = VK_FORMAT_R32_SFLOAT;
+    expect_contains(text({.format = format, .width = 4, .height = 4, .depth = 4}),
+        {"[binding-dimension]", "'bad'", "'target'", "'solid'", "3D", "2D"});
+    expect_contains(text({.format = format, .width = 4, .height = 4, .layers = 3}),
+        {"[binding-dimension]", "'target'", "one layer", "3"});
+}
+
+TEST_F(MisuseTest, FilterThatTheFormatLacks) {
+    const std::string text = run(
+        [](Graph& graph, PassBuilder& pass) {
+            pass.sample("source",
+                graph.create_persistent_image(
+                    "ids", {.format = VK_FORMAT_R32_UINT, .width = 4, .height = 4}),
+                Stage::compute, Filter::linear_clamp);
+            (void)pass.write("target", graph.create_image("to", {.format = VK_FORMAT_R32_SFLOAT}));
+        },
+        [](Commands& commands) {
+            commands.dispatch({.shader = "test/shift.comp"}, {1, 1, 1});
+        });
+    expect_contains(text, {"[binding-filter]", "'source'", "'ids'", "R32_UINT", "texel"});
+}
+
+TEST_F(MisuseTest, MoreThanTheDeviceBinds) {
+    const std::uint64_t limit = device().limits().uniform_bytes;
+    const std::string text = run(
+        [&](Graph& graph, PassBuilder& pass) {
+            pass.read("source", graph.create_persistent_buffer("from", {256}));
+            pass.uniform("table", graph.create_persistent_buffer("large", {limit + 256}));
+            (void)pass.write("target", graph.create_buffer("to", {256}));
+        },
+        [](Commands& commands) {
+            commands.dispatch({.shader = "test/two_sets.comp"}, {1, 1, 1});
+        });
+    expect_contains(text, {"[binding-size]", "'table'", "'large'", "range"});
+}
+
+TEST_F(MisuseTest, IndirectArgumentsBeyondTheBuffer) {
+    auto arguments = std::make_shared<BufferHandle>();
+    const std::string text = run(
+        [=](Graph& graph, PassBuilder& pass) {
+            *arguments = graph.create_persistent_buffer("arguments", {24});
+            pass.indirect(*arguments);
+            declare_numbers(graph, pass);
+        },
+        [=](Commands& commands) {
+            commands.dispatch_indirect(
+                {.shader = "test/number.comp", .push = as_push(kPush)}, *arguments, 16);
+        });
+    expect_contains(text, {"[bad-offset]", "'bad'", "16", "24"});
+}
+
+TEST_F(MisuseTest, Draws) {
+    const auto draw = [](const std::function<void(Commands&, BufferHandle)>& record) {
+        Graph graph("draws");
+        const BufferHandle indices = graph.create_persistent_buffer("indices", {12});
+        PassBuilder pass = graph.add_raster_pass("bad");
+        pass.indices(indices);
+        const ImageHandle target = pass.color(graph.create_image(
+            "target", {.format = VK_FORMAT_R32_SFLOAT, .width = 4, .height = 4}));
+        pass.record([=](Commands& commands) { record(commands, indices); });
+        graph.export_resource(target, "checked");
+        Executor executor(device(), std::move(graph));
+        return error_of([&] { executor.execute(); });
+    };
+    expect_contains(draw([](Commands& commands, BufferHandle) { commands.draw(3); }),
+        {"[no-pipeline]", "'bad'", "bind()"});
+    const std::string text = draw([](Commands& commands, BufferHandle indices) {
+        commands.bind({.vertex_shader = "test/full.vert", .depth_test = false});
+        commands.bind_indices(indices);
+        commands.draw_indexed(4, 1, 0, 0, 0);
+    });
+    expect_contains(text, {"[bad-indices]", "'bad'", "0 to 4", "3 are bound"});
+}
+
+TEST_F(MisuseTest, Copies) {
+    const auto copy = [](const std::function<void(Commands&, Graph&)>& record) {
+        auto graph = std::make_shared<Graph>("copies");
+        const ImageDesc desc{.format = VK_FORMAT_R32_SFLOAT, .width = 8, .height = 8};
+        const ImageDesc other{.format = VK_FORMAT_R32_SFLOAT, .width = 8, .height = 4};
+        PassBuilder pass = graph->add_transfer_pass("bad");
+        pass.copy_from(graph->create_persistent_buffer("from", {256}));
+        (void)pass.copy_to(graph->create_buffer("to", {128}));
+        pass.copy_from(graph->create_persistent_image("picture", desc));
+        (void)pass.copy_to(graph->create_image("other", other));
+        pass.side_effect("is tested");
+        pass.record([=](Commands& commands) { record(commands, *graph); });
+        Executor executor(device(), *graph);
+        return error_of([&] { executor.execute(); });
+    };
+    expect_contains(copy([](Commands& commands, Graph& graph) {
+        commands.copy(graph.find_buffer("from"), graph.find_buffer("to"));
+    }),
+        {"[copy-size]", "'from'", "256", "'to'", "128"});
+    expect_contains(copy([](Commands& commands, Graph& graph) {
+        commands.copy(graph.find_image("picture"), graph.find_image("other"));
+    }),
+        {"[copy-shape]", "'picture'", "8 x 8", "'other'", "8 x 4"});
+    expect_contains(copy([](Commands& commands, Graph& graph) {
+        commands.fill(graph.find_buffer("to").range(2, 8), 1);
+    }),
+        {"[copy-size]", "'to'", "multiples of 4"});
+    expect_contains(copy([](Commands& commands, Graph&) { commands.fill(BufferHandle{}, 1); }),
+        {"[invalid-handle]", "'bad'", "fill()"});
+}
+
+TEST_F(MisuseTest, BindingAndReadingWhatOneCannot) {
+    Graph graph("reads");
+    const AccessState sampled = state_of(Access::sampled, Stage::compute);
+    const ImageDesc desc{.format = VK_FORMAT_R32_SFLOAT, .width = 4, .height = 4};
+    const ImageHandle imported = graph.import_image("imported", desc, sampled);
+    const ImageHandle solid = graph.create_persistent_image(
+        "solid", {.format = VK_FORMAT_R32_SFLOAT, .width = 4, .height = 4, .depth = 4});
+    PassBuilder pass = graph.add_transfer_pass("copy");
+    pass.copy_from(imported).copy_from(solid);
+    const ImageHandle target = pass.copy_to(graph.create_image("target", desc));
+    pass.record([=](Commands& commands) { commands.copy(imported, target); });
+    graph.export_resource(target, "checked");
+    Executor executor(device(), std::move(graph));
+    const gpu::Image image(
+        device(), {.format = desc.format,
+                      .width = 4,
+                      .height = 4,
+                      .usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                               VK_IMAGE_USAGE_SAMPLED_BIT,
+                      .name = "theirs"});
+    const std::vector<float> texels(16, 1.0f);
+    gpu::upload(device(), image, 0, 0, std::as_bytes(std::span(texels)));
+    expect_contains(error_of([&] { executor.bind(solid, image); }),
+        {"[not-imported]", "'solid' (misuse_test.cpp:"});
+    expect_contains(error_of([&] { (void)executor.read(solid); }), {"[unreadable]", "'solid'"});
+    executor.bind(imported, image);
+    executor.execute();
+    expect_contains(error_of([&] { executor.execute(); }),
+        {"[entry-layout]", "'imported'", "exit state", "bind()"});
+}
+
+TEST_F(MisuseTest, APlanThatIsNotRight) {
+    Graph graph("planned");
+    const BufferHandle marks =
+        test::add_mark(graph, "first", graph.create_persistent_buffer("marks", {256}), 1);
+    graph.export_resource(test::add_mark(graph, "second", marks, 1), "checked");
+    Plan plan = make_plan(device(), graph);
+    ASSERT_FALSE(plan.barriers.empty());
+    for (Barrier& barrier : plan.barriers) barrier.src_stages = barrier.src_access = 0;
     expect_contains(
-        error_of([&] { (void)executor.read(numbers); }), {"'numbers'", "not kept", "export"});
+        error_of([&] { const Executor executor(device(), std::move(graph), std::move(plan)); }),
+        {"[bad-plan]", "'planned'", "'second'", "'marks'"});
 }
 
 TEST_F(MisuseTest, AnExecutorSurvivesAMistake) {
