@@ -10,4 +10,4 @@ set(OCKHAM_PACKAGES
   # a Vulkan device in software, used where there is no other
   mesa-vulkan-drivers
   # tests
-  libgtest-dev vulkan-validationlayers)
+  libbenchmark-dev libgtest-dev vulkan-validationlayers)

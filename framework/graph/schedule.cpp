@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 namespace ockham {
 
@@ -83,10 +84,11 @@ private:
     struct Epoch {
         PerQueue last = kNobody;        ///< users, on each queue the latest
         PerQueue last_before = kNobody; ///< users of the epoch before
-        std::uint32_t opener = kNone;   ///< its first user, where it had to change layout or owner
+        std::uint32_t opener = kNone;   ///< its first user, where others rely on its barriers
         std::uint32_t family = kNone;
         VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
-        bool written = true;
+        bool written = false;
+        bool pending = false; ///< the caller's uses, for which the first user must wait
     };
 
     std::uint32_t family_of(std::uint32_t queue) const { return queues_[queue].family; }
@@ -114,6 +116,8 @@ private:
                 families[use.resource - resource.history_age] |= 1u << first;
             }
         }
+        for (ResourceId id = 0; id < families.size(); ++id) // what the exit may touch on queue 0
+            if (may_have_exit(id)) families[id - declaration_.resources[id].history_age] |= 1;
         concurrent_.assign(families.size(), 0);
         for (ResourceId id = 0; id < families.size(); ++id) {
             const ResourceDecl& resource = declaration_.resources[id];
@@ -141,12 +145,17 @@ private:
             if (resource.entry.queue_family != VK_QUEUE_FAMILY_IGNORED)
                 epochs[piece].family = resource.entry.queue_family;
             if (resource.kind == ResourceKind::image) epochs[piece].layout = resource.entry.layout;
-            epochs[piece].written = false;
+            epochs[piece].pending = resource.entry.stages != 0;
         }
-        for (std::uint32_t step = 0; step < exit; ++step)
-            for (const Use& use : declaration_.uses_of(plan_.steps[step].pass))
+        std::uint32_t last_effect = kNone;
+        for (std::uint32_t step = 0; step < exit; ++step) {
+            const PassId pass = plan_.steps[step].pass;
+            if (!declaration_.passes[pass].side_effect.empty())
+                depend(step, std::exchange(last_effect, step));
+            for (const Use& use : declaration_.uses_of(pass))
                 pieces_.each(
                     use, [&](PieceId piece) { find_dependence(step, use, epochs[piece]); });
+        }
         // The exit barriers come last, on queue 0.
         for (PieceId piece = 0; piece < epochs.size(); ++piece) {
             if (!may_have_exit(pieces_.resource_of(piece))) continue;
@@ -177,7 +186,7 @@ private:
                                          : VK_IMAGE_LAYOUT_UNDEFINED;
         const bool moves =
             !concurrent_[use.resource] && epoch.family != kNone && epoch.family != family;
-        const bool changes = moves || layout != epoch.layout;
+        const bool changes = moves || layout != epoch.layout || epoch.pending;
         if (!writes(use.access) && !epoch.written && !changes) {
             depend(step, epoch.last_before);
             depend(step, epoch.opener);
@@ -194,6 +203,7 @@ private:
         epoch.family = family;
         epoch.layout = layout;
         epoch.written = writes(use.access);
+        epoch.pending = false;
     }
 
     /// A family gives a resource up after its latest user; its other queues must be done by then.
