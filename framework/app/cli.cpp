@@ -167,7 +167,7 @@ void add_output_flags(Params& params, CommonOptions& o) {
         .add("trace", &o.trace, "JSON file with the GPU times of all frames as Chrome trace events")
         .group(kReport)
         .transient();
-    params.add("plan", &o.plan, "file with the graph's plan: .txt, .json or .dot")
+    params.add("plan", &o.plan, "file with the graph's plan: .txt, .json, .dot or .html")
         .group(kReport)
         .transient();
     params.add("explain", &o.explain, "print why each pass and resource is there or absent")

@@ -6,11 +6,17 @@
 #include "framework/core/file.hpp"
 #include "framework/core/version.hpp"
 #include "framework/gpu/device.hpp"
+#include "framework/graph/describe.hpp"
 #include "framework/graph/dump.hpp"
+#include "framework/graph/explain.hpp"
+#include "framework/graph/plan_page.hpp"
+#include "framework/graph/timeline.hpp"
 #include "framework/io/image_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 namespace ockham {
 
@@ -18,11 +24,13 @@ void FrameTimes::add(const std::vector<PassTime>& frame) {
     if (passes_.empty()) {
         for (const PassTime& time : frame) passes_.push_back(time.pass);
         times_.resize(passes_.size());
+        skipped_.resize(passes_.size());
     }
     check(frame.size() == passes_.size(), "every frame executes the same plan");
     double total = 0;
     for (std::size_t i = 0; i < frame.size(); ++i) {
         times_[i].push_back(frame[i].milliseconds);
+        skipped_[i].push_back(frame[i].skipped);
         total += frame[i].milliseconds;
     }
     totals_.push_back(total);
@@ -53,16 +61,92 @@ nlohmann::ordered_json FrameTimes::to_json() const {
     return json;
 }
 
-nlohmann::ordered_json FrameTimes::to_trace() const {
-    nlohmann::ordered_json events = nlohmann::ordered_json::array();
-    double start_us = 0;
-    for (std::size_t frame = 0; frame < frames(); ++frame) {
-        for (std::size_t i = 0; i < passes_.size(); ++i) {
-            const double duration_us = 1e3 * times_[i][frame];
-            events.push_back({{"name", passes_[i]}, {"ph", "X"}, {"ts", start_us},
-                {"dur", duration_us}, {"pid", 0}, {"tid", 0}, {"args", {{"frame", frame}}}});
-            start_us += duration_us;
+std::vector<double> FrameTimes::medians() const {
+    std::vector<double> medians;
+    for (std::size_t i = 0; i < passes_.size(); ++i) {
+        std::vector<double> executed;
+        for (std::size_t frame = 0; frame < frames(); ++frame)
+            if (!skipped_[i][frame]) executed.push_back(times_[i][frame]);
+        medians.push_back(executed.empty() ? std::numeric_limits<double>::quiet_NaN()
+                                           : median(std::move(executed)));
+    }
+    return medians;
+}
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Names of the lanes: trace viewers show a process for the graph, a thread for each queue.
+ordered_json lane_names(const Declaration& declaration, const Plan& plan) {
+    ordered_json events = ordered_json::array();
+    events.push_back({{"name", "process_name"}, {"ph", "M"}, {"pid", 0},
+        {"args", {{"name", declaration.name}}}});
+    for (std::uint32_t q = 0; q < plan.queues.size(); ++q)
+        events.push_back({{"name", "thread_name"}, {"ph", "M"}, {"pid", 0}, {"tid", q},
+            {"args",
+                {{"name", fmt::format("{} (family {})", queue_text(q), plan.queues[q].family)}}}});
+    return events;
+}
+
+/// What the viewer shows of a pass that is clicked; the same in every frame.
+ordered_json pass_arguments(const Declaration& declaration, const Plan& plan, std::uint32_t step) {
+    ordered_json barriers = ordered_json::array();
+    for (const Barrier& barrier : plan.barriers_before(plan.steps[step]))
+        barriers.push_back(reason_of_barrier(declaration, plan, barrier));
+    return {{"step", step}, {"reason", reason_of_pass(declaration, plan, plan.steps[step].pass)},
+        {"barriers", barriers}};
+}
+
+/// An arrow from the end of the awaited submission to the start of each that waits for it.
+void add_arrows(const Plan& plan, const std::vector<double>& start,
+    const std::vector<double>& duration, double from_us, ordered_json& events) {
+    for (const Submission& submission : plan.submissions)
+        for (std::uint32_t i = 0; i < submission.wait_count; ++i) {
+            const Wait& wait = plan.waits[submission.first_wait + i];
+            const std::uint32_t index = submission_of(plan, wait.queue, wait.value);
+            if (index == kNone || submission.step_count == 0) continue;
+            const Submission& awaited = plan.submissions[index];
+            if (awaited.step_count == 0) continue;
+            const std::uint32_t last = awaited.first_step + awaited.step_count - 1;
+            const std::size_t id = events.size();
+            events.push_back({{"name", "wait"}, {"cat", "wait"}, {"ph", "s"}, {"id", id},
+                {"ts", from_us + start[last] + duration[last]}, {"pid", 0},
+                {"tid", awaited.queue}});
+            events.push_back({{"name", "wait"}, {"cat", "wait"}, {"ph", "f"}, {"bp", "e"},
+                {"id", id}, {"ts", from_us + start[submission.first_step]}, {"pid", 0},
+                {"tid", submission.queue}});
         }
+}
+
+} // namespace
+
+nlohmann::ordered_json FrameTimes::to_trace(
+    const Declaration& declaration, const Plan& plan) const {
+    check(frames() == 0 || passes_.size() == plan.steps.size(), "the plan that was timed");
+    ordered_json events = lane_names(declaration, plan);
+    const std::vector<std::uint32_t> queues = queue_of_steps(plan);
+    std::vector<ordered_json> arguments;
+    for (std::uint32_t i = 0; i < plan.steps.size(); ++i)
+        arguments.push_back(pass_arguments(declaration, plan, i));
+    double frame_us = 0;
+    for (std::size_t frame = 0; frame < frames(); ++frame) {
+        std::vector<double> duration(passes_.size());
+        for (std::size_t i = 0; i < passes_.size(); ++i) duration[i] = 1e3 * times_[i][frame];
+        const std::vector<double> start = start_times(plan, duration);
+        double end = 0;
+        for (std::size_t i = 0; i < passes_.size(); ++i) {
+            ordered_json args = arguments[i];
+            args["frame"] = frame;
+            if (skipped_[i][frame]) args["skipped"] = true;
+            events.push_back({{"name", passes_[i] + (skipped_[i][frame] ? " (skipped)" : "")},
+                {"cat", name_of(declaration.passes[plan.steps[i].pass].kind)}, {"ph", "X"},
+                {"ts", frame_us + start[i]}, {"dur", duration[i]}, {"pid", 0}, {"tid", queues[i]},
+                {"args", std::move(args)}});
+            end = std::max(end, start[i] + duration[i]);
+        }
+        add_arrows(plan, start, duration, frame_us, events);
+        frame_us += end;
     }
     return {{"traceEvents", events}, {"displayTimeUnit", "ms"}};
 }
@@ -105,19 +189,26 @@ std::string command_text(int argc, char** argv) {
 
 void check_plan_path(const std::filesystem::path& path) {
     const std::string extension = path.extension().string();
-    if (extension != ".txt" && extension != ".json" && extension != ".dot") {
-        fail_input(
-            "--plan: found '{}', expected a file ending in .txt, .json or .dot", path.string());
-    }
+    constexpr std::array<const char*, 4> known{".txt", ".json", ".dot", ".html"};
+    if (std::ranges::find(known, extension) == known.end())
+        fail_input("--plan: found '{}', expected a file ending in {}", path.string(),
+            fmt::join(known, ", "));
 }
 
-void write_plan(
-    const std::filesystem::path& path, const Declaration& declaration, const Plan& plan) {
+void write_plan(const std::filesystem::path& path, const Declaration& declaration, const Plan& plan,
+    const Capabilities& capabilities, const Policy& policy, const FrameTimes& times) {
     check_plan_path(path);
     const std::string extension = path.extension().string();
-    write_text(path, extension == ".txt"   ? plan_text(declaration, plan)
-                     : extension == ".dot" ? plan_dot(declaration, plan)
-                                           : plan_json(declaration, plan).dump(2) + "\n");
+    if (extension == ".txt")
+        write_text(path, plan_text(declaration, plan));
+    else if (extension == ".dot")
+        write_text(path, plan_dot(declaration, plan));
+    else if (extension == ".html")
+        write_text(path, plan_html(declaration, plan, times.medians()));
+    else
+        write_text(path, plan_json(declaration, plan, capabilities, policy)
+                                 .dump(1, ' ', false, nlohmann::json::error_handler_t::replace) +
+                             "\n");
 }
 
 void write_capture(const std::filesystem::path& path, const Image& image) {

@@ -2,7 +2,7 @@
 // What a run leaves behind besides its picture: statistics, plans, captures. Shared by all samples.
 #pragma once
 
-#include "framework/graph/plan.hpp"
+#include "framework/graph/compile.hpp"
 #include "framework/image_error/image_error.hpp"
 #include "framework/runtime/executor.hpp"
 
@@ -26,13 +26,19 @@ public:
     double total_of(bool (*counts)(std::string_view pass)) const;
     /// {pass: {min, median, max}}, ms, in order of execution.
     nlohmann::ordered_json to_json() const;
-    /// The frames one after the other as Chrome's trace events; for chrome://tracing or Perfetto.
-    nlohmann::ordered_json to_trace() const;
+    /// Median over the frames that executed it, of each step of the plan, ms; NaN for a pass that
+    /// all of them skipped. Empty where there are no frames.
+    std::vector<double> medians() const;
+    /// The frames one after the other as Chrome's trace events, for chrome://tracing or Perfetto: a
+    /// lane for each queue of the plan that was timed, arrows for its waits, reasons and barriers
+    /// as arguments. Where the plan has several queues, starts follow from durations and waits.
+    nlohmann::ordered_json to_trace(const Declaration& declaration, const Plan& plan) const;
 
 private:
     static double median(std::vector<double> values);
     std::vector<std::string> passes_;
     std::vector<std::vector<double>> times_; ///< [pass][frame]
+    std::vector<std::vector<bool>> skipped_; ///< [pass][frame]
     std::vector<double> totals_;
 };
 
@@ -46,9 +52,10 @@ nlohmann::ordered_json to_json(const ImageError& error);
 /// The command line as one would type it.
 std::string command_text(int argc, char** argv);
 
-/// Writes the plan in the format of the file's extension: .txt, .json or .dot.
-void write_plan(
-    const std::filesystem::path& path, const Declaration& declaration, const Plan& plan);
+/// Writes the plan in the format of the file's extension: .txt, .json, .dot or .html. A .json says
+/// what it was compiled with, a .html shows the times if there are any.
+void write_plan(const std::filesystem::path& path, const Declaration& declaration, const Plan& plan,
+    const Capabilities& capabilities = {}, const Policy& policy = {}, const FrameTimes& times = {});
 /// Throws Error(input) unless the extension is one that write_plan knows.
 void check_plan_path(const std::filesystem::path& path);
 

@@ -198,8 +198,12 @@ int render(int argc, char** argv) {
     const AdaptiveAaParams picture = picture_params(o);
     AdaptiveAa aa(device, lit, camera, picture);
     const Graph& graph = aa.executor().graph();
-    if (!o.common.plan.empty())
-        write_plan(o.common.plan, graph.declaration(), aa.executor().plan());
+    const auto plan_with = [&](const FrameTimes& times) {
+        if (!o.common.plan.empty())
+            write_plan(o.common.plan, graph.declaration(), aa.executor().plan(),
+                capabilities_of(device), {}, times);
+    };
+    plan_with({}); // also where executing it fails
     if (o.common.explain) fmt::print("{}", explain(graph.declaration(), aa.executor().plan()));
     log::info("{} triangles, {} lights; scene {} MiB, graph {} MiB", lit.gpu().facts().triangles,
         lit.scene().lights.size(), lit.gpu().bytes() >> 20, aa.executor().plan().bytes_peak >> 20);
@@ -215,6 +219,7 @@ int render(int argc, char** argv) {
         progress.update(static_cast<std::size_t>(frame) + 1);
     }
     expect_no_validation_messages(device);
+    plan_with(times);
 
     const std::string command = command_text(argc, argv);
     const Image result = collect_picture(aa, o, command);
@@ -234,7 +239,8 @@ int render(int argc, char** argv) {
     if (reference) error = image_error(result, *reference);
     print_summary(times, counts, error);
     if (!o.common.trace.empty()) {
-        write_text(o.common.trace, times.to_trace().dump() + "\n");
+        write_text(o.common.trace,
+            times.to_trace(graph.declaration(), aa.executor().plan()).dump() + "\n");
         log::info("wrote {}", o.common.trace);
     }
     if (!o.common.stats.empty()) {

@@ -2,6 +2,7 @@
 // Identities of whole pictures, bit for bit: methods that must agree do, and the plan holds only
 // what the scene and the window need.
 #include "framework/core/image.hpp"
+#include "framework/graph/budget.hpp"
 #include "framework/graph/dump.hpp"
 #include "framework/graph/explain.hpp"
 #include "framework/scene/builtin.hpp"
@@ -404,6 +405,14 @@ TEST_F(AdaptiveAaTest, PlanHoldsWhatTheSceneNeedsAndSaysWhyNot) {
     AdaptiveAa full(device(), varied(), camera(), params(16, 16, 2, AaMethod::adaptive));
     for (const char* present : {"color_textures", "data_textures", "gbuffer.extra"})
         EXPECT_TRUE(has(full, present)) << present;
+}
+
+/// What the plan takes today: a change that adds barriers or bytes must say so here.
+TEST_F(AdaptiveAaTest, PlanKeepsItsBudget) {
+    AdaptiveAa aa(device(), varied(), camera(), params(64, 48, 4, AaMethod::adaptive));
+    EXPECT_EQ(over_budget(aa.executor().graph().declaration(), aa.executor().plan(),
+                  {.passes = 9, .barriers = 21, .batches = 9, .submissions = 1, .bytes = 2 << 20}),
+        "");
 }
 
 TEST_F(AdaptiveAaTest, VeryWidePictureOfOneRow) {
