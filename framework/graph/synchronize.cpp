@@ -26,7 +26,8 @@ enum : std::uint8_t {
     kExternal = 4,
     kPersistent = 8,
     kConcurrent = 16,
-    kExported = 32
+    kExported = 32,
+    kMet = 64, ///< external, and used before in this execution
 };
 
 /// How a piece was left. Its content dates from a write, or from the layout transition that let
@@ -157,6 +158,21 @@ private:
         return tail;
     }
 
+    /// The caller hands a resource over as a whole, where the first of its pieces is used.
+    void meet_rest(ResourceId id, const Next& next) {
+        const PieceId first = pieces_.first(id);
+        for (PieceId piece = first; piece < first + pieces_.count(id); ++piece) {
+            Tail& tail = tails_[piece];
+            if (tail.started) continue;
+            meet_caller(tail, next);
+            if (tail.family == VK_QUEUE_FAMILY_IGNORED || tail.family == family_of(next.queue))
+                settle(tail, next);
+            else
+                take_over(piece, id, tail, next);
+        }
+        flags_[id] |= kMet;
+    }
+
     /// What the caller did is waited for where the piece is first used. For stages that this queue
     /// does not have, the caller has waited.
     void meet_caller(Tail& tail, const Next& next) const {
@@ -256,20 +272,32 @@ private:
             next.pass = plan_.steps[step].pass;
             const PassDecl& pass = declaration_.passes[next.pass];
             const bool always = pass.guard == kNone;
+            bool meets = false; // a resource of the caller for the first time
             for (const Use& use : declaration_.uses_of(next.pass)) {
                 const std::uint8_t flags = flags_[use.resource];
                 if (!contains(flags, which)) continue;
-                const Meaning& meaning = meaning_of(use);
-                next.state = meaning.state;
-                if (!(flags & kImage)) next.state.layout = VK_IMAGE_LAYOUT_UNDEFINED;
-                next.written = meaning.written;
-                next.needs = needs_content(use);
-                next.discards = always && replaces_content(use);
-                plan_.usages[use.resource] |= meaning.usage[flags & kImage];
+                plan_.usages[use.resource] |= meaning_of(use).usage[flags & kImage];
+                set_use(next, use, always);
                 pieces_.each(use, [&](PieceId piece) { touch(piece, use.resource, next); });
+                meets = meets || ((flags & kExternal) && !(flags & kMet));
+            }
+            if (!meets) continue;
+            for (const Use& use : declaration_.uses_of(next.pass)) {
+                if (!(flags_[use.resource] & kExternal) || (flags_[use.resource] & kMet)) continue;
+                set_use(next, use, always);
+                meet_rest(use.resource, next);
             }
         }
         submission_ = 0;
+    }
+
+    void set_use(Next& next, const Use& use, bool always) const {
+        const Meaning& meaning = meaning_of(use);
+        next.state = meaning.state;
+        if (!(flags_[use.resource] & kImage)) next.state.layout = VK_IMAGE_LAYOUT_UNDEFINED;
+        next.written = meaning.written;
+        next.needs = needs_content(use);
+        next.discards = always && replaces_content(use);
     }
 
     void touch(PieceId piece, ResourceId id, const Next& next) {
@@ -281,7 +309,7 @@ private:
                 begin_anew(piece, id, tail, next);
                 return;
             }
-            if (flags & kExternal) meet_caller(tail, next);
+            if ((flags & kExternal) && !(flags & kMet)) meet_caller(tail, next);
         }
         const std::uint32_t family = family_of(next.queue);
         const bool moves = tail.family != family && tail.family != VK_QUEUE_FAMILY_IGNORED &&
@@ -506,6 +534,7 @@ private:
         barrier.src_access = arrived ? 0 : tail.unavailable;
         barrier.src_stages =
             add_pasts(tail, tail.submission, tail.last_queue, barrier.src_access != 0);
+        if (!barrier.src_stages && arrived) barrier.src_stages = tail.used.stages; // behind waits
         barrier.dst_stages = barrier.dst_access = 0;
         barrier.src_family = tail.family;
         barrier.dst_family = family;
@@ -530,12 +559,6 @@ private:
         }
     }
 
-    bool is_used(ResourceId id) const {
-        const auto first = tails_.begin() + pieces_.first(id);
-        return std::any_of(
-            first, first + pieces_.count(id), [](const Tail& tail) { return tail.started; });
-    }
-
     Next at_exit(const AccessState& state) const {
         Next next;
         next.state = state;
@@ -548,28 +571,25 @@ private:
     }
 
     void exit(ResourceId id) {
-        if (!is_used(id)) return;
+        if (!(flags_[id] & kMet)) return;
         const ResourceDecl& resource = declaration_.resources[id];
         const bool image = flags_[id] & kImage;
         const bool stays = resource.exit.layout == VK_IMAGE_LAYOUT_UNDEFINED || !image;
-        if (stays && resource.exit.stages == 0 &&
-            resource.exit.queue_family == VK_QUEUE_FAMILY_IGNORED) {
-            if (image && pieces_.count(id) > 1) unify(id);
-            return;
-        }
-        Next next = at_exit(resource.exit);
-        const PieceId first = pieces_.first(id), end = first + pieces_.count(id);
-        if (stays) next.state.layout = most_common_layout(id);
-        for (PieceId piece = first; piece < end; ++piece) {
+        const std::uint32_t to = resource.exit.queue_family;
+        if (stays && image && pieces_.count(id) > 1) unify(id);
+        if (stays && resource.exit.stages == 0 && to == VK_QUEUE_FAMILY_IGNORED) return;
+        const PieceId first = pieces_.first(id);
+        for (PieceId piece = first; piece < first + pieces_.count(id); ++piece) {
             Tail& tail = tails_[piece];
-            const std::uint32_t to = resource.exit.queue_family;
-            if (to != VK_QUEUE_FAMILY_IGNORED && tail.family != VK_QUEUE_FAMILY_IGNORED &&
-                to != tail.family) {
+            Next next = at_exit(resource.exit);
+            if (stays) next.state.layout = tail.used.layout;
+            const bool changes = tail.used.layout != next.state.layout;
+            if (to != VK_QUEUE_FAMILY_IGNORED && to != tail.family)
                 give_back(piece, id, tail, next, to);
-                continue;
-            }
-            if (resource.exit.stages == 0 && tail.used.layout == next.state.layout) continue;
-            touch(piece, id, next);
+            else if (to != VK_QUEUE_FAMILY_IGNORED && to != family_of(0))
+                settle_there(piece, id, tail, next); // semaphores do the rest
+            else if (changes || (tail.started && resource.exit.stages))
+                touch(piece, id, next);
             tail.used = next.state;
         }
     }
@@ -577,13 +597,26 @@ private:
     /// To the caller's queue family, who does the other half.
     void give_back(
         PieceId piece, ResourceId id, Tail& tail, const Next& next, std::uint32_t family) {
+        const bool here = tail.family == family_of(0); // with the other exit barriers
+        if (here) {
+            tail.submission = next.submission;
+            tail.last_queue = 0;
+        }
         release(piece, id, tail, next, family);
-        if (tail.step == kNone || tail.family == family_of(0)) { // with the other exit barriers
+        if (here) {
             drafts_.back().step = next.step;
             drafts_.back().release = false;
         }
-        leave_tail(tail, next, kNone);
         tail.family = family;
+    }
+
+    /// Into the exit layout, behind the last step that used it.
+    void settle_there(PieceId piece, ResourceId id, const Tail& tail, const Next& next) {
+        if (tail.used.layout == next.state.layout) return;
+        release(piece, id, tail, next, tail.family);
+        Barrier& barrier = plan_.barriers.back();
+        barrier.hazard = Hazard::exit;
+        barrier.src_family = barrier.dst_family = VK_QUEUE_FAMILY_IGNORED;
     }
 
     /// Of the pieces that this execution uses; UNDEFINED if it uses none.
@@ -769,21 +802,14 @@ private:
         for (std::size_t i = 0; i < drafts_.size(); ++i)
             plan_.barriers[i].part = pieces_.part_of(drafts_[i].piece);
         for (std::size_t first = 0, end = 0; first < drafts_.size(); first = end) {
-            const auto same = [&](std::size_t i) {
-                return drafts_[i].step == drafts_[first].step &&
-                       drafts_[i].release == drafts_[first].release &&
-                       plan_.barriers[i].resource == plan_.barriers[first].resource;
-            };
-            for (end = first; end < drafts_.size() && same(end); ++end) {
-            }
-            for (bool again = end - first > 1; again;) {
+            for (end = first + 1; end < drafts_.size() &&
+                                  drafts_[end].step == drafts_[first].step &&
+                                  drafts_[end].release == drafts_[first].release;)
+                ++end;
+            for (bool again = true; again;) {
                 again = false;
-                std::size_t last = first;
-                for (std::size_t i = first; i < end; ++i) {
-                    if (drafts_[i].dead) continue;
-                    for (std::size_t k = last; k < i; ++k)
-                        if (!drafts_[k].dead && join(k, i)) again = true;
-                }
+                for (std::size_t i = first; i < end; ++i)
+                    for (std::size_t k = first; k < i; ++k) again |= join(k, i);
             }
         }
     }
@@ -793,7 +819,7 @@ private:
     bool join(std::size_t into, std::size_t other) {
         Barrier &a = plan_.barriers[into], &b = plan_.barriers[other];
         Draft &x = drafts_[into], &y = drafts_[other];
-        if (y.dead || x.light != y.light) return false;
+        if (a.resource != b.resource || x.dead || y.dead || x.light != y.light) return false;
         Barrier alike = b;
         alike.part = a.part;
         alike.from = a.from;
