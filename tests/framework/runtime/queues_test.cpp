@@ -6,6 +6,7 @@
 #include "framework/gpu/buffer.hpp"
 #include "framework/gpu/image.hpp"
 #include "framework/gpu/transfer.hpp"
+#include "framework/graph/verify.hpp"
 #include "framework/runtime/executor.hpp"
 #include "tests/framework/runtime/small_passes.hpp"
 #include "tests/support/gpu_fixture.hpp"
@@ -119,6 +120,11 @@ TEST_P(QueuesTest, ResultsAreThoseOfOneQueue) {
         Executor executor(core(), std::move(m.graph), Policy{},
             {.slots = slots, .pretended_families = families.families});
         EXPECT_EQ(executor.plan().queues.size(), families.queues);
+        Capabilities capabilities = capabilities_of(core());
+        capabilities.families = families.families;
+        EXPECT_EQ(
+            violations_text(verify(executor.graph().declaration(), executor.plan(), capabilities)),
+            "");
         std::vector<std::uint32_t> x;
         const auto at = [&](int n) { return n < 0 ? 0 : x[static_cast<std::size_t>(n)]; };
         for (int n = 0; n < 6; ++n) {
