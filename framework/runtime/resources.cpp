@@ -362,7 +362,6 @@ void Resources::record_poison(VkCommandBuffer commands, std::uint32_t step) cons
     for (const Placement& placement : plan_.placements) {
         const ResourceDecl& resource = declaration().resources[placement.resource];
         if (placement.first_step != step || resource.lifetime != Lifetime::transient) continue;
-        if (poisons_.empty()) return;
         if (!any) record_full_barrier(commands);
         any = true;
         const gpu::Buffer& poison = *poisons_[placement.heap];

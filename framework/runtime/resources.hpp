@@ -59,7 +59,7 @@ public:
 
     /// Transient memory is filled with NaNs before each first use from now on.
     void enable_poison();
-    /// Does so for what `step` uses first.
+    /// Does so for what `step` uses first; after enable_poison() only.
     void record_poison(VkCommandBuffer commands, std::uint32_t step) const;
 
 private:

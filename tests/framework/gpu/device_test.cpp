@@ -123,6 +123,21 @@ TEST_F(DeviceTest, EveryValidationModeStartsAndEndsInSilence) {
     }
 }
 
+TEST_F(DeviceTest, QueuesOfFamiliesThatComputeOrCopy) {
+    const std::span<const FamilyInfo> families = device().families();
+    const QueueId main = device().main_queue();
+    ASSERT_LT(main.family, families.size());
+    EXPECT_TRUE(families[main.family].graphics && families[main.family].compute);
+    for (std::uint32_t i = 0; i < families.size(); ++i) {
+        EXPECT_LE(families[i].queues, i == main.family ? 2u : 1u);
+        EXPECT_TRUE(families[i].queues == 0 || families[i].transfer);
+        for (std::uint32_t queue = 0; queue < families[i].queues; ++queue) {
+            device().submit({.queue = {i, queue}}, "nothing"); // each of them exists
+        }
+    }
+    EXPECT_GE(families[main.family].queues, 1u);
+}
+
 TEST_F(DeviceTest, ValidationReportsMistakes) {
     Device device({.validation = Validation::core});
     log::set_sink([](log::Level, std::string_view) {});
