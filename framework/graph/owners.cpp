@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory_resource>
 
 namespace ockham {
 
@@ -13,7 +14,7 @@ struct Segment {
     std::uint64_t end = 0;
     ResourceId owner = kNone;
 };
-using Segments = std::map<std::uint64_t, Segment>;
+using Segments = std::pmr::map<std::uint64_t, Segment>;
 
 /// The first segment that ends behind `begin`.
 Segments::iterator find(Segments& segments, std::uint64_t begin) {
@@ -54,9 +55,11 @@ void take(const Placement& placement, Segments& segments, std::vector<Found>& fo
 } // namespace
 
 Owners::Owners(const Plan& plan) : first_(plan.resources.size() + 1, 0) {
-    std::vector<Segments> heaps(plan.heaps.size());
+    std::pmr::monotonic_buffer_resource memory;
+    std::pmr::vector<Segments> heaps(plan.heaps.size(), &memory);
     std::vector<Found> found;
     std::vector<Gap> gaps;
+    found.reserve(2 * plan.placements.size());
     for (const Placement& placement : plan.placements)
         take(placement, heaps[placement.heap], found, gaps);
     // The execution before left the segments as this one does.

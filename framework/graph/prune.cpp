@@ -88,6 +88,8 @@ struct Choice {
     Stages src = 0, dst = 0;
     bool dead = false;
     bool flushes = false; ///< makes writes available
+
+    bool operator==(const Choice&) const = default;
 };
 
 /// A write is available to whatever waits for a barrier.
@@ -108,6 +110,8 @@ public:
             given_.push_back(
                 {stages_of(plan.barriers[i].src_stages), stages_of(plan.barriers[i].dst_stages),
                     drafts[i].dead, plan.barriers[i].src_access != 0});
+        for (std::size_t i = drafts.size(); i-- > 0 && end_of_looking_back_ == 0;)
+            if (looks_back(drafts[i])) end_of_looking_back_ = i + 1;
         std::uint32_t writes = 0;
         for (const Past& past : pasts)
             if (past.write != kNone) writes = std::max(writes, past.write + 1);
@@ -181,6 +185,14 @@ private:
         const auto steps = static_cast<std::uint32_t>(plan_.steps.size());
         if (queues_ == 1) {
             queue_ = 0;
+            while (draft < end_of_looking_back_) draft = batch(draft);
+            // From there on all depends on what was chosen up to here.
+            if (!last_choices_.empty() &&
+                std::equal(choices_.begin(), choices_.begin() + static_cast<std::ptrdiff_t>(draft),
+                    last_choices_.begin())) {
+                choices_ = last_choices_;
+                return last_end_;
+            }
             while (draft < drafts_.size()) draft = batch(draft);
         } else {
             for (std::uint32_t i = 0; i < plan_.submissions.size(); ++i) {
@@ -195,7 +207,8 @@ private:
                 snapshot(i, submission.first_step + submission.step_count);
             }
         }
-        return leave(done);
+        last_choices_ = choices_;
+        return last_end_ = leave(done);
     }
 
     void wait(const Submission& submission, const std::vector<std::vector<std::uint32_t>>& done) {
@@ -236,7 +249,8 @@ private:
     }
 
     void join(Time* a, const Time* b) const {
-        for (std::uint32_t i = 0; i < width_; ++i) a[i] = std::max(a[i], b[i]);
+        for (std::uint32_t k = 0; k < width_; k += kRow)
+            for (std::uint32_t i = k; i < k + kRow; ++i) a[i] = std::max(a[i], b[i]);
     }
 
     /// Whether what the past did in stage `s` comes before everything that the row stands for.
@@ -419,8 +433,9 @@ private:
     const std::vector<Past>& pasts_;
     const std::uint32_t queues_, width_;
     const Time period_;
-    std::vector<Choice> given_, choices_;
-    std::vector<Time> clocks_, next_, snapshots_;
+    std::vector<Choice> given_, choices_, last_choices_;
+    std::vector<Time> clocks_, next_, snapshots_, last_end_;
+    std::size_t end_of_looking_back_ = 0; ///< after the last draft that waits for the past
     std::vector<Available> available_;
     std::vector<std::uint32_t> newest_available_; ///< per write
     std::vector<std::uint32_t> light_;            ///< of the batch: those that order execution only

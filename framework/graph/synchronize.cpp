@@ -35,24 +35,25 @@ enum : std::uint8_t {
 struct Tail {
     VkPipelineStageFlags2 stages = 0; ///< that made the content; of a transition: that wait for it
     VkAccessFlags2 written = 0;       ///< by which accesses; 0 for transitions
-    VkAccessFlags2 unavailable = 0;   ///< the same until a barrier flushes them
     /// Where else it is visible than through `barrier`.
     VkPipelineStageFlags2 seen_stages = 0;
     VkAccessFlags2 seen_access = 0;
     AccessState used; ///< by the write, or by all reads since
     Time when = 0;    ///< of the content
-    std::uint32_t queue = 0;
     /// The barrier that let the first readers in; a read in another stage extends it. kNone if
     /// there was none in this execution.
     std::uint32_t barrier = kNone;
-    std::uint32_t barrier_queue = 0;
     std::uint32_t reads = kNone; ///< since then: the newest
     PassId pass = kNone;         ///< the last that used it, in this execution
-    std::uint32_t step = kNone;  ///< and its step
-    std::uint32_t submission = 0, last_queue = 0;
+    std::uint32_t step = kNone;  ///< its step,
+    std::uint32_t submission = 0;
     std::uint32_t family = VK_QUEUE_FAMILY_IGNORED; ///< that owns it; IGNORED: whoever comes
-    bool started = false;                           ///< used in this execution
-    bool known = false;                             ///< used in any
+    std::uint8_t queue = 0, barrier_queue = 0, last_queue = 0;
+    bool flushed = true;  ///< what was written is available
+    bool started = false; ///< used in this execution
+    bool known = false;   ///< used in any
+
+    VkAccessFlags2 unavailable() const { return flushed ? 0 : written; }
 };
 
 /// Uses since the content was made, newest first, one for each run of equal stages.
@@ -110,6 +111,8 @@ public:
     }
 
     void run() {
+        plan_.barriers.reserve(2 * plan_.steps.size());
+        drafts_.reserve(2 * plan_.steps.size());
         begin();
         settle_kept();
         walk(0);
@@ -147,9 +150,10 @@ private:
         tail.used = resource.entry;
         if (!(flags & kImage)) tail.used.layout = VK_IMAGE_LAYOUT_UNDEFINED;
         tail.stages = resource.entry.stages;
-        tail.written = tail.unavailable = resource.entry.access & kWriteAccess;
+        tail.written = resource.entry.access & kWriteAccess;
+        tail.flushed = tail.written == 0;
         tail.family = resource.entry.queue_family;
-        if (!tail.unavailable) {
+        if (tail.flushed) {
             // Who read it saw what it holds; if nobody did, everybody may.
             const bool all = tail.stages == 0;
             tail.seen_stages = all ? ~VkPipelineStageFlags2{0} : tail.stages;
@@ -176,7 +180,7 @@ private:
     /// What the caller did is waited for where the piece is first used. For stages that this queue
     /// does not have, the caller has waited.
     void meet_caller(Tail& tail, const Next& next) const {
-        tail.queue = next.queue;
+        tail.queue = static_cast<std::uint8_t>(next.queue);
         if (queues_.empty() || queues_[next.queue].graphics) return;
         constexpr VkPipelineStageFlags2 any =
             VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT |
@@ -187,7 +191,8 @@ private:
             VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
         tail.stages &= any | (queues_[next.queue].compute ? compute : 0);
         if (tail.stages) return;
-        tail.written = tail.unavailable = 0;
+        tail.written = 0;
+        tail.flushed = true;
         tail.seen_stages = ~VkPipelineStageFlags2{0};
         tail.seen_access = ~VkAccessFlags2{0};
     }
@@ -332,8 +337,8 @@ private:
                 plan_.barriers[tail.barrier].dst_access |= next.state.access;
             } else {
                 tail.barrier = draft(piece, id, tail, next, {changes, seen, arrived});
-                tail.barrier_queue = next.queue;
-                tail.unavailable = 0;
+                tail.barrier_queue = static_cast<std::uint8_t>(next.queue);
+                tail.flushed = true;
             }
         }
         add_read(tail, next);
@@ -354,7 +359,7 @@ private:
             if (contains(barrier.dst_stages, stages) && contains(barrier.dst_access, access))
                 return true;
         }
-        return tail.unavailable == 0 && contains(tail.seen_stages, stages) &&
+        return tail.flushed && contains(tail.seen_stages, stages) &&
                contains(tail.seen_access, access);
     }
     static bool has_stages(VkPipelineStageFlags2 mask, VkPipelineStageFlags2 stages) {
@@ -364,14 +369,14 @@ private:
     void leave_tail(Tail& tail, const Next& next, std::uint32_t barrier) {
         tail.stages = next.state.stages;
         tail.written = next.state.access & (next.written ? kWriteAccess : 0);
-        tail.unavailable = tail.written;
+        tail.flushed = !next.written;
         tail.seen_stages = 0;
         tail.seen_access = 0;
         tail.used = next.state;
         tail.when = time_of(next.step);
-        tail.queue = next.queue;
+        tail.queue = static_cast<std::uint8_t>(next.queue);
         tail.barrier = barrier;
-        tail.barrier_queue = next.queue;
+        tail.barrier_queue = static_cast<std::uint8_t>(next.queue);
         tail.reads = kNone;
         if (next.written)
             settle(tail, next);
@@ -401,7 +406,7 @@ private:
         tail.pass = next.pass;
         tail.step = next.step;
         tail.submission = next.submission;
-        tail.last_queue = next.queue;
+        tail.last_queue = static_cast<std::uint8_t>(next.queue);
         tail.family = family_of(next.queue);
     }
 
@@ -442,7 +447,7 @@ private:
         draft.from_when = tail.step == kNone ? 0 : time_of(tail.step);
         Barrier barrier = barrier_to(id, tail, next);
         const bool reads_only = !next.written && !relation.changes;
-        barrier.src_access = relation.arrived ? 0 : tail.unavailable;
+        barrier.src_access = relation.arrived ? 0 : tail.unavailable();
         if (reads_only && !relation.arrived && tail.queue == next.queue) {
             // Flushed before or not: naming the write again needs no chain to who did it.
             barrier.src_stages = tail.stages;
@@ -531,7 +536,7 @@ private:
         Barrier barrier = barrier_to(id, tail, next);
         barrier.hazard = Hazard::release;
         const bool arrived = arrivals_.covers(tail.submission, tail.queue, tail.when);
-        barrier.src_access = arrived ? 0 : tail.unavailable;
+        barrier.src_access = arrived ? 0 : tail.unavailable();
         barrier.src_stages =
             add_pasts(tail, tail.submission, tail.last_queue, barrier.src_access != 0);
         if (!barrier.src_stages && arrived) barrier.src_stages = tail.used.stages; // behind waits
@@ -736,7 +741,7 @@ private:
             const Tail& tail = tails_[piece];
             if (!tail.started || (self && piece != draft.piece)) continue;
             const bool arrived = arrivals_.covers(first.submission, tail.queue, tail.when + shift);
-            const VkAccessFlags2 unavailable = arrived ? 0 : tail.unavailable;
+            const VkAccessFlags2 unavailable = arrived ? 0 : tail.unavailable();
             barrier.src_stages |= add_pasts(tail, first.submission, first.queue, unavailable != 0,
                 shift, unavailable ? write_of(piece, owner.before) : kNone);
             barrier.src_access |= unavailable;
