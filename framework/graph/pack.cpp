@@ -13,7 +13,7 @@ constexpr std::uint64_t kUnplaced = ~std::uint64_t{0};
 /// A packing this close to the bound is not improved any more: 1 / 64 of it.
 constexpr std::uint64_t kCloseEnough = 64;
 /// Spans that all attempts together may look at, for each range: what planning can afford.
-constexpr std::size_t kVisitsPerRange = 160;
+constexpr std::size_t kVisitsPerRange = 96;
 /// Up to this many live at a birth, on average, neighbours are listed; else spans are searched.
 constexpr std::size_t kFewNeighbours = 8;
 
@@ -162,7 +162,7 @@ public:
         few_ = pairs_ <= kFewNeighbours * count;
         if (few_)
             list_neighbours();
-        else if (count > 2 * kVisitsPerRange)
+        else if (count > 3 * kVisitsPerRange)
             return std::move(best_);
         order_.resize(count);
         std::iota(order_.begin(), order_.end(), 0u);

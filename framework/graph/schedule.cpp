@@ -152,9 +152,11 @@ private:
             const PassId pass = plan_.steps[step].pass;
             if (!declaration_.passes[pass].side_effect.empty())
                 depend(step, std::exchange(last_effect, step));
-            for (const Use& use : declaration_.uses_of(pass))
+            for (const Use& use : declaration_.uses_of(pass)) {
                 pieces_.each(
                     use, [&](PieceId piece) { find_dependence(step, use, epochs[piece]); });
+                own(step, use.resource, epochs);
+            }
         }
         // The exit barriers come last, on queue 0.
         for (PieceId piece = 0; piece < epochs.size(); ++piece) {
@@ -204,6 +206,17 @@ private:
         epoch.layout = layout;
         epoch.written = writes(use.access);
         epoch.pending = false;
+    }
+
+    /// The first queue family that uses a part of what the caller owns has all of it.
+    void own(std::uint32_t step, ResourceId id, std::vector<Epoch>& epochs) const {
+        if (declaration_.resources[id].lifetime != Lifetime::external) return;
+        const PieceId first = pieces_.first(id);
+        for (PieceId piece = first; piece < first + pieces_.count(id); ++piece) {
+            if (epochs[piece].family != kNone) continue;
+            epochs[piece].family = family_of(queue_of_[step]);
+            epochs[piece].last[queue_of_[step]] = step;
+        }
     }
 
     /// A family gives a resource up after its latest user; its other queues must be done by then.
