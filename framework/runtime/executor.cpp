@@ -355,7 +355,7 @@ private:
 
 Executor::Executor(
     gpu::Device& device, Graph graph, const Policy& policy, const ExecutorOptions& options) {
-    Plan plan = make_plan(device, graph, policy, capabilities_for(device, options));
+    Plan plan = make_plan(device, graph, policy, capabilities_for(device, options), options.plans);
     impl_ = std::make_unique<Impl>(device, std::move(graph), std::move(plan), policy, options);
 }
 
@@ -385,8 +385,8 @@ const std::vector<PassTime>& Executor::times() const { return impl_->times(); }
 bool Executor::update(Graph graph) {
     if (impl_->take_recorders(graph)) return true;
     gpu::Device& device = impl_->device();
-    Plan plan =
-        make_plan(device, graph, impl_->policy(), capabilities_for(device, impl_->options()));
+    Plan plan = make_plan(device, graph, impl_->policy(),
+        capabilities_for(device, impl_->options()), impl_->options().plans);
     auto fresh = std::make_unique<Impl>(
         device, std::move(graph), std::move(plan), impl_->policy(), impl_->options());
     fresh->keep_content(*impl_);

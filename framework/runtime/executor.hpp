@@ -39,6 +39,9 @@ struct ExecutorOptions {
     /// queue alone, with its waits and without its changes of owner. For tests on devices that have
     /// one queue.
     std::vector<QueueFamily> pretended_families = {};
+    /// Where plans are looked up and kept, by executors of one device; must outlive them. Null:
+    /// not.
+    PlanCache* plans = nullptr;
     /// In debug builds and under Validation::sync, verify() checks the plan first; a violation is
     /// an Error.
     bool verify = true;

@@ -2,6 +2,7 @@
 #include "framework/runtime/planning.hpp"
 
 #include "framework/gpu/device.hpp"
+#include "framework/graph/plan_cache.hpp"
 #include "framework/runtime/resources.hpp"
 
 namespace ockham {
@@ -28,24 +29,36 @@ Plan make_plan(const gpu::Device& device, Graph& graph, const Policy& policy) {
     return make_plan(device, graph, policy, capabilities_of(device));
 }
 
-Plan make_plan(const gpu::Device& device, Graph& graph, const Policy& policy,
-    const Capabilities& capabilities) {
-    Declaration& declaration = graph.declaration();
-    // Memory needs follow from usage bits, and these from what is culled: plan once without needs.
-    Policy without_budget = policy;
-    without_budget.memory_budget_bytes = 0;
-    const Plan draft = compile(declaration, capabilities, without_budget);
-    for (const Placement& placement : draft.placements) {
-        ResourceDecl& resource = declaration.resources[placement.resource];
+namespace {
+
+/// Keeps in the declaration what the resources that the plan places take on the device.
+void ask_memory(const gpu::Device& device, Declaration& declaration, const Plan& plan) {
+    for (const Placement& placement : plan.placements) {
+        const ResourceId id = placement.resource;
         const VkMemoryRequirements need =
-            resource.kind == ResourceKind::buffer
-                ? gpu::memory_requirements(
-                      device, buffer_info(declaration, draft, placement.resource, {}))
-                : gpu::memory_requirements(
-                      device, image_info(declaration, draft, placement.resource, {}));
-        resource.memory = {need.size, need.alignment, need.memoryTypeBits};
+            declaration.resources[id].kind == ResourceKind::buffer
+                ? gpu::memory_requirements(device, buffer_info(declaration, plan, id, {}))
+                : gpu::memory_requirements(device, image_info(declaration, plan, id, {}));
+        declaration.resources[id].memory = {need.size, need.alignment, need.memoryTypeBits};
     }
-    return compile(declaration, capabilities, policy);
+}
+
+} // namespace
+
+Plan make_plan(const gpu::Device& device, Graph& graph, const Policy& policy,
+    const Capabilities& capabilities, PlanCache* cache) {
+    Declaration& declaration = graph.declaration();
+    const auto plan_anew = [&] {
+        // Memory needs follow from usage bits, and these from what is culled: plan once without.
+        Policy without_budget = policy;
+        without_budget.memory_budget_bytes = 0;
+        ask_memory(device, declaration, compile(declaration, capabilities, without_budget));
+        return compile(declaration, capabilities, policy);
+    };
+    if (!cache) return plan_anew();
+    Plan plan = *cache->get(graph, capabilities, policy, plan_anew);
+    ask_memory(device, declaration, plan);
+    return plan;
 }
 
 } // namespace ockham

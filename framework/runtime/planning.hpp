@@ -8,6 +8,8 @@
 
 namespace ockham {
 
+class PlanCache;
+
 namespace gpu {
 class Device;
 } // namespace gpu
@@ -19,7 +21,8 @@ Capabilities capabilities_of(const gpu::Device& device);
 /// what it allows. Throws the errors of compile().
 Plan make_plan(const gpu::Device& device, Graph& graph, const Policy& policy = {});
 /// The same with other capabilities than the device's, for tests of plans with several queues.
+/// `cache`, which must be used for this device only, or null: where to look first.
 Plan make_plan(const gpu::Device& device, Graph& graph, const Policy& policy,
-    const Capabilities& capabilities);
+    const Capabilities& capabilities, PlanCache* cache = nullptr);
 
 } // namespace ockham

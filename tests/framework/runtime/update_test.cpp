@@ -4,6 +4,7 @@
 #include "framework/core/timer.hpp"
 #include "framework/gpu/memory.hpp"
 #include "framework/gpu/pipeline.hpp"
+#include "framework/graph/plan_cache.hpp"
 #include "framework/runtime/executor.hpp"
 #include "tests/framework/runtime/small_passes.hpp"
 #include "tests/support/gpu_fixture.hpp"
@@ -91,6 +92,22 @@ TEST_F(UpdateTest, AnotherGraphKeepsWhatIsPersistent) {
     EXPECT_EQ(read_as<std::uint32_t>(executor, second.next)[63], 6u);
     EXPECT_EQ(read_as<std::uint32_t>(executor, second.history.now)[0], 4u);
     EXPECT_EQ(read_as<std::uint32_t>(executor, before)[0], 2u);
+}
+
+TEST_F(UpdateTest, PlansAreKept) {
+    PlanCache plans;
+    Frame first = frame(1, 2);
+    Executor executor(device(), std::move(first.graph), Policy{}, {.plans = &plans});
+    executor.execute();
+    for (int turn = 0; turn < 4; ++turn) { // to and fro between two graphs
+        Frame next = frame(1, turn % 2 ? 2 : 3);
+        EXPECT_FALSE(executor.update(std::move(next.graph)));
+        executor.execute();
+        const auto marks = static_cast<std::uint32_t>(turn + 2);
+        EXPECT_EQ(read_as<std::uint32_t>(executor, next.marks)[0], marks);
+        EXPECT_EQ(read_as<std::uint32_t>(executor, next.next)[0], marks + (turn % 2 ? 2 : 3));
+    }
+    EXPECT_EQ(plans.size(), 2u);
 }
 
 TEST_F(UpdateTest, AnotherDescriptionStartsFromZero) {
