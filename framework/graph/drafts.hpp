@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Barriers before it is settled which of them are needed: what synchronize() and its helpers hand
-// to each other. For synchronize.cpp, prune.cpp and owners.cpp only.
+// to each other. For synchronize*.cpp, gather.cpp, merge.cpp and prune.cpp.
 #pragma once
 
 #include "framework/graph/pieces.hpp"
@@ -42,9 +42,17 @@ struct Draft {
 /// must be sorted by step, and are not any more.
 void gather(const Plan& plan, std::vector<Draft>& drafts, const std::vector<Past>& pasts);
 
+/// By step, releases after the others; else the order stays.
+void sort(Plan& plan, std::vector<Draft>& drafts);
+
+/// Barriers of one batch on neighbouring parts that are else equal become one; the others are dead.
+/// `drafts` must be sorted.
+void merge(const Declaration& declaration, Plan& plan, std::vector<Draft>& drafts,
+    std::vector<Past>& pasts);
+
 /// Marks those of the light ones dead that order nothing, and make nothing available, that others
 /// do not, in this execution or across two; takes away stages that add nothing. `drafts` must be
-/// sorted by step, releases after the others of a step.
+/// sorted.
 void prune(Plan& plan, std::vector<Draft>& drafts, const std::vector<Past>& pasts);
 
 } // namespace ockham
