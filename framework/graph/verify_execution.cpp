@@ -692,8 +692,9 @@ private:
         const Meaning& meaning = accessor.meaning;
         const std::uint32_t family = family_of(accessor.queue);
         const bool has_content = piece.content || !piece.writers.empty();
-        const bool keeps =
-            meaning.needs || (has_content && !(meaning.replaces && accessor.guard == kNone));
+        // Without a transfer, a buffer may be replaced; an image must come anew from UNDEFINED.
+        const bool keeps = is_image(id) || meaning.needs ||
+                           (has_content && !(meaning.replaces && accessor.guard == kNone));
         if (!plan_.concurrent[id] && keeps) {
             if (piece.transfer.pending)
                 say(Kind::ownership, index, kNone, accessor.pass, [&] {
@@ -863,7 +864,10 @@ private:
             const std::uint32_t index = grids_.first(id) + i;
             const Piece& piece = pieces_[index];
             const VkImageLayout layout = layout_left(piece);
-            if (is_image(id) && layout != VK_IMAGE_LAYOUT_UNDEFINED && layout != said)
+            // Parts of an exported image that nothing writes stay as they were: undefined.
+            const bool untouched = layout == VK_IMAGE_LAYOUT_UNDEFINED &&
+                                   declaration_.resources[id].lifetime == Lifetime::transient;
+            if (is_image(id) && layout != said && !untouched)
                 say(Kind::layout, index, kNone, kNone, [&] {
                     return fmt::format("{} is left in layout {}, but the plan says {}",
                         report_.resource(id, grids_.part_of(index)), layout_text(layout),
