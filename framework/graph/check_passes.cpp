@@ -3,8 +3,6 @@
 #include "framework/graph/describe.hpp"
 
 #include <algorithm>
-#include <functional>
-#include <string_view>
 
 namespace ockham {
 
@@ -148,7 +146,7 @@ private:
         std::span<const Use> uses) {
         const std::string& binding = declaration_.detail_of(use).binding;
         // Nearly always different, so most names are never compared.
-        bindings_.push_back(std::hash<std::string_view>{}(binding));
+        bindings_.push_back(hash_of(binding));
         if (!in_shader(use.access)) return;
         if (binding.empty())
             fail("missing-binding", "{} uses {} as {} without a name in its shader; give one",

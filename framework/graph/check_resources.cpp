@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <functional>
-#include <string_view>
 
 namespace ockham {
 
@@ -17,7 +15,7 @@ std::pair<std::uint32_t, std::uint32_t> find_duplicate(const std::vector<T>& all
     const std::size_t mask = std::bit_ceil(2 * all.size() + 1) - 1;
     std::vector<std::uint32_t> table(mask + 1, kNone);
     for (std::uint32_t i = 0; i < all.size(); ++i) {
-        std::size_t slot = std::hash<std::string_view>{}(all[i].name) & mask;
+        std::size_t slot = hash_of(all[i].name) & mask;
         for (; table[slot] != kNone; slot = (slot + 1) & mask)
             if (all[table[slot]].name == all[i].name) return {i, table[slot]};
         table[slot] = i;

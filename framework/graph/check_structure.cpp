@@ -46,7 +46,7 @@ void check_guards(const Declaration& declaration) {
 }
 
 void check_use(const Declaration& declaration, const PassDecl& pass, const Use& use,
-    std::vector<std::uint32_t>& versions) {
+    std::vector<std::uint32_t>& versions, std::uint32_t& next_part) {
     if (use.resource >= declaration.resources.size())
         fail(declaration, "{} uses resource {} of {}", describe(pass), use.resource,
             declaration.resources.size());
@@ -54,9 +54,9 @@ void check_use(const Declaration& declaration, const PassDecl& pass, const Use& 
     if (use.access > Access::host_read || use.stage > Stage::fixed || use.load > LoadOp::load ||
         use.filter > Filter::linear_repeat)
         fail(declaration, "{} uses {} in an unknown way", describe(pass), describe(resource));
-    if (use.part != kNone && use.part >= declaration.parts.size())
-        fail(declaration, "{} uses part {} of {}", describe(pass), use.part,
-            declaration.parts.size());
+    if (use.part != kNone && use.part != next_part++)
+        fail(declaration, "{} uses part {} of {}, where part {} is next", describe(pass), use.part,
+            declaration.parts.size(), next_part - 1);
     std::uint32_t& version = versions[use.resource];
     const std::uint32_t made = writes(use.access) ? version + 1 : kNone;
     if (use.version != version || use.version_written != made)
@@ -75,7 +75,7 @@ void check_structure(const Declaration& declaration) {
         fail(declaration, "{} uses have {} details", declaration.uses.size(),
             declaration.details.size());
     std::vector<std::uint32_t> versions(declaration.resources.size(), 0);
-    std::uint32_t next_use = 0;
+    std::uint32_t next_use = 0, next_part = 0;
     for (PassId id = 0; id < declaration.passes.size(); ++id) {
         const PassDecl& pass = declaration.passes[id];
         if (pass.kind > PassKind::transfer || pass.queue > QueueWish::transfer)
@@ -87,8 +87,11 @@ void check_structure(const Declaration& declaration) {
             fail(declaration, "{} has uses {} to {} of {}", describe(pass), pass.first_use,
                 pass.first_use + pass.use_count, declaration.uses.size());
         next_use += pass.use_count;
-        for (const Use& use : declaration.uses_of(id)) check_use(declaration, pass, use, versions);
+        for (const Use& use : declaration.uses_of(id))
+            check_use(declaration, pass, use, versions, next_part);
     }
+    if (next_part != declaration.parts.size())
+        fail(declaration, "{} parts belong to no use", declaration.parts.size() - next_part);
     if (next_use != declaration.uses.size())
         fail(declaration, "{} of {} uses belong to no pass", declaration.uses.size() - next_use,
             declaration.uses.size());

@@ -568,6 +568,8 @@ TEST(Misuse, Malformed) {
     EXPECT_EQ(head([](Declaration& d) { d.uses[0].part = 7; }), "[malformed]");
     EXPECT_EQ(
         head([](Declaration& d) { d.uses[0].access = static_cast<Access>(99); }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.parts.clear(); }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.parts.emplace_back(); }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.uses.pop_back(); }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.details.clear(); }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.passes[0].use_count = 2; }), "[malformed]");
