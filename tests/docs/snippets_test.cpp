@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// The documentation shows code that is compiled: every C++, GLSL and CMake block names the region
+// of a source file that it repeats, in the line before it: <!-- snippet: tests/docs/x.cpp#name -->.
+// A region lies between the comments [name] and [/name].
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace ockham {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = OCKHAM_SOURCE_DIR;
+
+std::vector<std::string> read_lines(const fs::path& path) {
+    std::ifstream file(path);
+    EXPECT_TRUE(file) << path;
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(file, line);) lines.push_back(line);
+    return lines;
+}
+
+std::string trimmed(const std::string& line) {
+    const auto first = line.find_first_not_of(' ');
+    return first == std::string::npos ? "" : line.substr(first);
+}
+
+/// Lines without the blanks that all of them begin with.
+std::string unindented(const std::vector<std::string>& lines) {
+    std::size_t indent = std::string::npos;
+    for (const std::string& line : lines) indent = std::min(indent, line.find_first_not_of(' '));
+    std::string text;
+    for (const std::string& line : lines)
+        text += (line.size() > indent ? line.substr(indent) : "") + "\n";
+    return text;
+}
+
+/// The region `name` of a source file; nothing if there is none.
+std::optional<std::string> region_of(const fs::path& path, const std::string& name) {
+    std::vector<std::string> lines;
+    bool inside = false;
+    for (const std::string& line : read_lines(path)) {
+        const std::string text = trimmed(line);
+        const auto is = [&](const std::string& mark) {
+            return text == "// " + mark || text == "# " + mark;
+        };
+        if (is("[/" + name + "]")) return unindented(lines);
+        if (inside) lines.push_back(line);
+        if (is("[" + name + "]")) inside = true;
+    }
+    return std::nullopt;
+}
+
+std::vector<fs::path> documents() {
+    std::vector<fs::path> all{kRoot / "README.md", kRoot / "CONTRIBUTING.md"};
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / "docs"))
+        if (entry.path().extension() == ".md") all.push_back(entry.path());
+    return all;
+}
+
+TEST(Snippets, AreRegionsOfCompiledFiles) {
+    const std::set<std::string> languages{"cpp", "glsl", "cmake"};
+    const std::string before = "<!-- snippet: ", after = " -->";
+    std::size_t count = 0;
+    for (const fs::path& document : documents()) {
+        const std::vector<std::string> lines = read_lines(document);
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            if (!lines[i].starts_with("```") || lines[i].size() == 3) continue;
+            if (!languages.contains(lines[i].substr(3))) continue;
+            const std::string where = fmt::format("{}:{}", document.string(), i + 1);
+            const std::string mark = i == 0 ? "" : lines[i - 1];
+            const std::size_t hash = mark.find('#');
+            if (!mark.starts_with(before) || !mark.ends_with(after) || hash == std::string::npos) {
+                ADD_FAILURE() << where << ": no <!-- snippet: file#name --> before this block";
+                continue;
+            }
+            const fs::path source = kRoot / mark.substr(before.size(), hash - before.size());
+            const std::string name = mark.substr(hash + 1, mark.size() - hash - 1 - after.size());
+            const auto region = region_of(source, name);
+            ASSERT_TRUE(region) << where << ": " << source << " has no region [" << name << "]";
+            std::string shown;
+            for (++i; i < lines.size() && lines[i] != "```"; ++i) shown += lines[i] + "\n";
+            EXPECT_EQ(shown, *region) << where << " is not what " << source << " has";
+            ++count;
+        }
+    }
+    EXPECT_GT(count, 10u);
+}
+
+/// Links between documents, and to files of the tree, lead somewhere.
+TEST(Snippets, LinksOfDocumentsExist) {
+    for (const fs::path& document : documents()) {
+        bool code = false;
+        for (const std::string& line : read_lines(document)) {
+            if (line.starts_with("```")) code = !code;
+            for (std::size_t at = code ? std::string::npos : line.find("](");
+                 at != std::string::npos; at = line.find("](", at + 1)) {
+                const std::string link = line.substr(at + 2, line.find(')', at) - at - 2);
+                if (link.starts_with("http") || link.starts_with("#")) continue;
+                const fs::path target = document.parent_path() / link.substr(0, link.find('#'));
+                EXPECT_TRUE(fs::exists(target)) << document << " links to " << link;
+            }
+        }
+    }
+}
+
+} // namespace
+} // namespace ockham
