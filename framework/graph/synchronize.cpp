@@ -149,7 +149,7 @@ void Synchronizer::leave_tail(Tail& tail, const Next& next, std::uint32_t barrie
 }
 
 void Synchronizer::add_read(Tail& tail, const Next& next) {
-    if (tail.reads == kNone) {
+    if (tail.reads == kNone || tail.pass == kNone) { // the first since, or in this execution
         tail.used = next.state;
     } else {
         tail.used.stages |= next.state.stages;

@@ -18,6 +18,10 @@ void Synchronizer::begin() {
         if (resource.lifetime == Lifetime::persistent) {
             flags |= kPersistent;
             rounds_ = std::max(rounds_, resource.history_depth + 1);
+            Tail zero; // at first, and visible to all
+            zero.seen_stages = ~VkPipelineStageFlags2{0};
+            zero.seen_access = ~VkAccessFlags2{0};
+            std::fill_n(tails_.begin() + pieces_.first(id), pieces_.count(id), zero);
         }
         flags_[id] = flags;
         if (flags & kExternal)
@@ -111,8 +115,12 @@ ResourceId Synchronizer::source_of(ResourceId id) const {
 
 Tail Synchronizer::before(Tail tail, std::vector<Read>& reads) const {
     if (tail.barrier != kNone) {
-        tail.seen_stages = plan_.barriers[tail.barrier].dst_stages;
-        tail.seen_access = plan_.barriers[tail.barrier].dst_access;
+        const Barrier& barrier = plan_.barriers[tail.barrier];
+        // Both, where that is all stages with all accesses again.
+        const bool same_stages = tail.seen_stages == barrier.dst_stages;
+        const bool same_access = tail.seen_access == barrier.dst_access;
+        tail.seen_stages = barrier.dst_stages | (same_access ? tail.seen_stages : 0);
+        tail.seen_access = barrier.dst_access | (same_stages ? tail.seen_access : 0);
     }
     tail.barrier = kNone;
     tail.pass = kNone;

@@ -45,7 +45,7 @@ void Synchronizer::exit(ResourceId id) {
         const bool changes = tail.used.layout != next.state.layout;
         if (to != VK_QUEUE_FAMILY_IGNORED && to != tail.family)
             give_back(piece, id, tail, next, to);
-        else if (to != VK_QUEUE_FAMILY_IGNORED && to != family_of(0))
+        else if (tail.family != family_of(0))
             settle_there(piece, id, tail, next); // semaphores do the rest
         else if (changes || (tail.started && resource.exit.stages))
             touch(piece, id, next);
