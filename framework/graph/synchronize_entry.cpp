@@ -57,6 +57,7 @@ void Synchronizer::meet_rest(ResourceId id, const Next& next) {
             settle(tail, next);
         else
             take_over(piece, id, tail, next);
+        tail.pass = kNone; // nobody has used it yet
     }
     flags_[id] |= kMet;
 }

@@ -10,8 +10,8 @@ namespace {
 constexpr AccessState kUntouched{};
 
 /// A resource whose barriers are not disturbed by how its memory was used before.
-BufferHandle fresh_buffer(Graph& graph, const char* name) {
-    return graph.import_buffer(name, {64}, kUntouched);
+BufferHandle fresh_buffer(Graph& graph, const char* name, std::uint64_t bytes = 64) {
+    return graph.import_buffer(name, {bytes}, kUntouched);
 }
 ImageHandle fresh_image(Graph& graph, const char* name, ImageDesc desc = kColor) {
     return graph.import_image(name, desc, kUntouched);
@@ -324,6 +324,206 @@ TEST(Synchronize, AnExitThatHoldsAlreadyNeedsNoBarrier) {
     auto pass = graph.add_compute_pass("pass");
     pass.sample("in", in).side_effect("test");
     EXPECT_EQ(barrier_lines(graph), "");
+}
+
+TEST(Synchronize, MipsAreSynchronizedByThemselvesAndTogether) {
+    Graph graph("g");
+    ImageHandle a = fresh_image(graph, "a", {VK_FORMAT_R32_SFLOAT, 64, 64, 1, 1, 3});
+    auto top = graph.add_compute_pass("top");
+    a = top.write("to", a.mip(0));
+    auto half = graph.add_compute_pass("half");
+    half.sample("from", a.mip(0));
+    a = half.write("to", a.mip(1));
+    auto quarter = graph.add_compute_pass("quarter");
+    quarter.sample("from", a.mip(1));
+    a = quarter.write("to", a.mip(2));
+    auto look = graph.add_raster_pass("look");
+    ImageHandle target = fresh_image(graph, "target");
+    look.sample("a", a, Stage::fragment);
+    target = look.color(target);
+    EXPECT_EQ(barrier_lines(graph),
+        "top <- (before): a first_use | none/none -> compute/storage_write | undefined -> general\n"
+        "half <- top: a read_after_write | compute/storage_write -> fragment+compute/sampled_read "
+        "| "
+        "general -> read_only\n"
+        "half <- (before): a first_use | none/none -> compute/storage_write | undefined -> "
+        "general\n"
+        "quarter <- half: a read_after_write | compute/storage_write -> "
+        "fragment+compute/sampled_read | general -> read_only\n"
+        "quarter <- (before): a first_use | none/none -> compute/storage_write | undefined -> "
+        "general\n"
+        "look <- quarter: a read_after_write | compute/storage_write -> fragment/sampled_read | "
+        "general -> read_only\n"
+        "look <- (before): target first_use | none/none -> color_output/color_read+color_write | "
+        "undefined -> color\n");
+}
+
+TEST(Synchronize, NeighbouringRangesShareABarrier) {
+    Graph graph("g");
+    BufferHandle a = fresh_buffer(graph, "a", 1024);
+    auto first = graph.add_compute_pass("first");
+    a = first.write("a", a.range(0, 256));
+    auto second = graph.add_compute_pass("second");
+    a = second.write("a", a.range(256, 256));
+    auto read = graph.add_compute_pass("read");
+    read.read("a", a.range(0, 512)).side_effect("test");
+    const Plan plan = compile(graph.declaration());
+    EXPECT_EQ(barrier_lines(graph.declaration(), plan),
+        "read <- second: a read_after_write | compute/storage_write -> compute/storage_read\n");
+    ASSERT_EQ(plan.barriers.size(), 1u);
+    EXPECT_EQ(plan.barriers[0].part.offset, 0u);
+    EXPECT_EQ(plan.barriers[0].part.bytes, 512u);
+}
+
+/// w2 and w3 may only begin when r has read a and b; one of the two barriers says so for both.
+TEST(Synchronize, WhatAnotherBarrierImpliesIsLeftOut) {
+    Graph graph("g");
+    BufferHandle a = fresh_buffer(graph, "a"), b = fresh_buffer(graph, "b");
+    auto w = graph.add_compute_pass("w");
+    a = w.write("a", a);
+    b = w.write("b", b);
+    auto r = graph.add_compute_pass("r");
+    r.read("a", a).read("b", b).side_effect("test");
+    auto w2 = graph.add_compute_pass("w2");
+    a = w2.write("a", a);
+    auto w3 = graph.add_compute_pass("w3");
+    b = w3.write("b", b);
+    EXPECT_EQ(barrier_lines(graph),
+        "r <- w: a read_after_write | compute/storage_write -> compute/storage_read\n"
+        "r <- w: b read_after_write | compute/storage_write -> compute/storage_read\n"
+        "w2 <- r: a write_after_read | compute/none -> compute/none\n");
+}
+
+/// The present content is written in one execution and sampled in the next, where it is one older.
+TEST(Synchronize, AgesOfAHistoryEnterAsTheYoungerOneWasLeft) {
+    Graph graph("g");
+    const auto history = graph.create_history_image("h", kColor, 1);
+    ImageHandle out = fresh_image(graph, "out");
+    auto blend = graph.add_compute_pass("blend");
+    blend.sample("old", history.previous[0]);
+    (void)blend.write("new", history.now);
+    out = blend.write("out", out);
+    const Plan plan = compile(graph.declaration());
+    EXPECT_EQ(barrier_lines(graph.declaration(), plan),
+        "blend <- (before): h@-1 read_after_write | compute/storage_write -> compute/sampled_read "
+        "| general -> read_only\n"
+        "blend <- (before): h write_after_read | compute/none -> compute/storage_write | undefined "
+        "-> general\n"
+        "blend <- (before): out first_use | none/none -> compute/storage_write | undefined -> "
+        "general\n");
+    EXPECT_EQ(plan.final_states[0], state_of(Access::storage_write, Stage::compute));
+    EXPECT_EQ(plan.final_states[1], state_of(Access::sampled, Stage::compute));
+    EXPECT_EQ(plan.usages[0], plan.usages[1]);
+}
+
+TEST(Synchronize, AWriteThatMayNotHappenKeepsTheContent) {
+    Graph graph("g");
+    const Condition odd = graph.add_condition("odd");
+    ImageHandle a = fresh_image(graph, "a");
+    auto w = graph.add_compute_pass("w");
+    a = w.write("a", a);
+    auto look = graph.add_compute_pass("look");
+    look.sample("a", a).side_effect("test");
+    {
+        const auto only = graph.when(odd);
+        auto again = graph.add_compute_pass("again");
+        a = again.write("a", a);
+    }
+    auto last = graph.add_compute_pass("last");
+    last.sample("a", a).side_effect("test");
+    EXPECT_EQ(barrier_lines(graph),
+        "w <- (before): a first_use | none/none -> compute/storage_write | undefined -> general\n"
+        "look <- w: a read_after_write | compute/storage_write -> compute/sampled_read | general "
+        "-> read_only\n"
+        "again <- look: a write_after_read | compute/none -> compute/storage_write | read_only -> "
+        "general\n"
+        "last <- again: a read_after_write | compute/storage_write -> compute/sampled_read | "
+        "general -> read_only\n");
+}
+
+TEST(Synchronize, PartsOfAKeptImageAreLeftInOneLayout) {
+    Graph graph("g");
+    ImageHandle a = graph.create_persistent_image("a", {VK_FORMAT_R32_SFLOAT, 64, 64, 1, 1, 3});
+    auto pass = graph.add_compute_pass("pass");
+    pass.sample("from", a.mips(0, 2));
+    a = pass.write("to", a.mip(2));
+    const Plan plan = compile(graph.declaration());
+    EXPECT_EQ(barrier_lines(graph.declaration(), plan),
+        "pass <- (before): a write_after_read | compute/none -> compute/storage_write | undefined "
+        "-> general\n"
+        "(after) <- pass: a exit | compute/storage_write -> compute/sampled_read | general -> "
+        "read_only\n");
+    EXPECT_EQ(plan.exit_barrier_count, 1u);
+}
+
+/// Family 1 does compute only.
+Capabilities two_families() {
+    Capabilities capabilities;
+    capabilities.families = {{true, true, true, 1}, {false, true, true, 1}};
+    return capabilities;
+}
+
+TEST(Synchronize, ContentMovesBetweenQueueFamiliesByReleaseAndAcquire) {
+    Graph graph("g");
+    BufferHandle a = graph.create_buffer("a", {256}), b = graph.create_buffer("b", {256});
+    auto w = graph.add_compute_pass("w");
+    a = w.write("a", a);
+    auto side = graph.add_compute_pass("side");
+    side.prefer(QueueWish::async_compute).read("a", a);
+    b = side.write("b", b);
+    auto busy = graph.add_compute_pass("busy");
+    busy.side_effect("test");
+    auto join = graph.add_compute_pass("join");
+    join.read("b", b).side_effect("test");
+    const Plan plan = compile(graph.declaration(), two_families());
+    ASSERT_EQ(plan.queues.size(), 2u);
+    EXPECT_EQ(barrier_lines(graph.declaration(), plan),
+        "side <- w: a release | compute/storage_write -> none/none\n"
+        "side <- w: a acquire | compute/none -> compute/storage_read\n"
+        "join <- side: b release | compute/storage_write -> none/none\n"
+        "join <- side: b acquire | compute/none -> compute/storage_read\n");
+    EXPECT_EQ(plan.steps[0].release_count, 1u);
+    EXPECT_EQ(plan.barriers_before(plan.steps[1]).back().dst_family, 1u);
+}
+
+TEST(Synchronize, KeptResourcesOfSeveralFamiliesNeverMove) {
+    Graph graph("g");
+    BufferHandle a = graph.create_persistent_buffer("a", {256}),
+                 b = graph.create_buffer("b", {256});
+    auto w = graph.add_compute_pass("w");
+    a = w.read_write("a", a);
+    auto side = graph.add_compute_pass("side");
+    side.prefer(QueueWish::async_compute).read("a", a);
+    b = side.write("b", b);
+    auto busy = graph.add_compute_pass("busy");
+    busy.side_effect("test");
+    auto join = graph.add_compute_pass("join");
+    join.read("b", b).side_effect("test");
+    const Plan plan = compile(graph.declaration(), two_families());
+    EXPECT_EQ(plan.concurrent[0], 1);
+    EXPECT_EQ(barrier_lines(graph.declaration(), plan), // a's reader waits by semaphore
+        "join <- side: b release | compute/storage_write -> none/none\n"
+        "join <- side: b acquire | compute/none -> compute/storage_read\n");
+}
+
+TEST(Synchronize, TheCallersFamilyHandsOverAndGetsBack) {
+    Graph graph("g");
+    AccessState entry = state_of(Access::transfer_write, Stage::fixed);
+    AccessState exit = state_of(Access::transfer_read, Stage::fixed);
+    entry.queue_family = exit.queue_family = 2;
+    ImageHandle a = graph.import_image("a", kColor, entry, exit);
+    auto pass = graph.add_compute_pass("pass");
+    a = pass.read_write("a", a);
+    Capabilities capabilities = two_families();
+    capabilities.families.push_back({false, false, true, 1});
+    const Plan plan = compile(graph.declaration(), capabilities);
+    EXPECT_EQ(barrier_lines(graph.declaration(), plan),
+        "pass <- (before): a acquire | compute/none -> compute/storage_read+storage_write | "
+        "transfer_dst -> general\n"
+        "(after) <- pass: a release | compute/storage_write -> none/none | general -> "
+        "transfer_src\n");
+    EXPECT_EQ(plan.barriers[0].src_family, 2u);
+    EXPECT_EQ(plan.exit_barriers()[0].dst_family, 2u);
 }
 
 } // namespace
