@@ -40,8 +40,8 @@ void barrier(VkCommandBuffer commands) {
     vkCmdPipelineBarrier2(commands, &info);
 }
 
-void transition(
-    VkCommandBuffer commands, const Image& image, VkImageLayout from, VkImageLayout to) {
+void transition(VkCommandBuffer commands, const Image& image, VkImageLayout from, VkImageLayout to,
+    const ImageRange& range = {}) {
     const VkImageMemoryBarrier2 all{.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
         .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
         .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
@@ -52,9 +52,7 @@ void transition(
         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .image = image.handle(),
-        .subresourceRange = {.aspectMask = image.aspect(),
-            .levelCount = image.info().mips,
-            .layerCount = image.info().layers}};
+        .subresourceRange = image.subresources(range)};
     const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
         .imageMemoryBarrierCount = 1,
         .pImageMemoryBarriers = &all};
@@ -215,7 +213,9 @@ std::vector<std::byte> download(Device& device, const Image& image, VkImageLayou
         "a download names a layer or mip that the image does not have");
     const Buffer target = readback_buffer(device, mip_bytes(image.info(), mip));
     device.run(fmt::format("download of {}", image.name()), [&](VkCommandBuffer commands) {
-        transition(commands, image, layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        // Other mips and layers may never have been written, and then have no layout.
+        const ImageRange range{mip, 1, layer, 1};
+        transition(commands, image, layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, range);
         const VkBufferImageCopy region{.imageSubresource = {.aspectMask = image.aspect(),
                                            .mipLevel = mip,
                                            .baseArrayLayer = layer,
@@ -223,7 +223,7 @@ std::vector<std::byte> download(Device& device, const Image& image, VkImageLayou
             .imageExtent = mip_extent(image.info(), mip)};
         vkCmdCopyImageToBuffer(commands, image.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
             target.handle(), 1, &region);
-        transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, layout);
+        transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, layout, range);
         barrier(commands);
     });
     return content(target);
