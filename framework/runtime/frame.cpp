@@ -37,6 +37,9 @@ VkCommandBuffer CommandBuffers::begin() {
     const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
     gpu::expect(vkBeginCommandBuffer(open_, &info), "beginning a command buffer");
+    // lavapipe skips a barrier that begins a command buffer, and then what was drawn before may
+    // still be under way in memory that others take over. So something else begins it.
+    if (device_.info().software) vkCmdSetLineWidth(open_, 1.0f);
     return open_;
 }
 
