@@ -20,28 +20,28 @@ uint hash(uint x) {
 // Images hold multiples of 2^-24 in [0, 1), which depth formats hold exactly too.
 float texel_of(uint h) { return float(h >> 8) * (1.0 / 16777216.0); }
 
-uint texels(sampler2DArray image) {
-    uint count = 0;
-    for (int mip = 0; mip < textureQueryLevels(image); ++mip) {
-        const ivec3 size = textureSize(image, mip);
-        count += uint(size.x * size.y * size.z);
-    }
-    return count;
-}
-uint texel(sampler2DArray image, uint index) {
-    for (int mip = 0;; ++mip) {
-        const uvec3 size = uvec3(textureSize(image, mip));
-        const uint count = size.x * size.y * size.z;
-        if (index < count) {
-            const uvec3 at = uvec3(index % size.x, index / size.x % size.y, index / (size.x * size.y));
-            return floatBitsToUint(texelFetch(image, ivec3(at), mip).r);
-        }
-        index -= count;
-    }
-}
 ivec3 place_of(ivec3 size, uint index) {
     const uvec3 s = uvec3(size);
     return ivec3(index % s.x, index / s.x % s.y, index / (s.x * s.y));
+}
+// `h` with the texels `index`, `index + count`, ... of all mips; mip by mip, since lavapipe fetches
+// for a quad of invocations from one mip.
+uint mix_texels(sampler2DArray image, uint h, uint index, uint count) {
+    uint all = 0;
+    for (int mip = 0; mip < textureQueryLevels(image); ++mip) {
+        const ivec3 size = textureSize(image, mip);
+        all += uint(size.x * size.y * size.z);
+    }
+    uint begin = 0;
+    uint i = index % all;
+    for (int mip = 0; mip < textureQueryLevels(image); ++mip) {
+        const ivec3 size = textureSize(image, mip);
+        const uint end = begin + uint(size.x * size.y * size.z);
+        for (; i < end; i += count)
+            h = hash(h + floatBitsToUint(texelFetch(image, place_of(size, i - begin), mip).r));
+        begin = end;
+    }
+    return h;
 }
 #define STORAGE_COUNT(image) uint(imageSize(image).x * imageSize(image).y * imageSize(image).z)
 #define STORAGE_VALUE(image, index) \
@@ -57,8 +57,7 @@ layout(binding = 0, scalar) uniform R0 { uint values[256]; } r0;
 #define VALUE0(index) r0.values[index]
 #elif defined(R0_SAMPLED)
 layout(binding = 0) uniform sampler2DArray r0;
-#define COUNT0 texels(r0)
-#define VALUE0(index) texel(r0, index)
+#define MIX0(h, index, count) mix_texels(r0, h, index, count)
 #elif defined(R0_STORAGE)
 layout(binding = 0, r32f) uniform readonly image2DArray r0;
 #define COUNT0 STORAGE_COUNT(r0)
@@ -75,8 +74,7 @@ layout(binding = 1, scalar) uniform R1 { uint values[256]; } r1;
 #define VALUE1(index) r1.values[index]
 #elif defined(R1_SAMPLED)
 layout(binding = 1) uniform sampler2DArray r1;
-#define COUNT1 texels(r1)
-#define VALUE1(index) texel(r1, index)
+#define MIX1(h, index, count) mix_texels(r1, h, index, count)
 #elif defined(R1_STORAGE)
 layout(binding = 1, r32f) uniform readonly image2DArray r1;
 #define COUNT1 STORAGE_COUNT(r1)
@@ -93,8 +91,7 @@ layout(binding = 2, scalar) uniform R2 { uint values[256]; } r2;
 #define VALUE2(index) r2.values[index]
 #elif defined(R2_SAMPLED)
 layout(binding = 2) uniform sampler2DArray r2;
-#define COUNT2 texels(r2)
-#define VALUE2(index) texel(r2, index)
+#define MIX2(h, index, count) mix_texels(r2, h, index, count)
 #elif defined(R2_STORAGE)
 layout(binding = 2, r32f) uniform readonly image2DArray r2;
 #define COUNT2 STORAGE_COUNT(r2)
@@ -104,15 +101,21 @@ layout(binding = 2, r32f) uniform readonly image2DArray r2;
 // For element `index` of `count`: together these read every element of every input.
 uint mix_inputs(uint seed, uint index, uint count) {
     uint h = hash(seed + index);
-#if defined(COUNT0)
+#if defined(MIX0)
+    h = MIX0(h, index, count);
+#elif defined(COUNT0)
     const uint count0 = COUNT0;
     for (uint i = index % count0; i < count0; i += count) h = hash(h + VALUE0(i));
 #endif
-#if defined(COUNT1)
+#if defined(MIX1)
+    h = MIX1(h, index, count);
+#elif defined(COUNT1)
     const uint count1 = COUNT1;
     for (uint i = index % count1; i < count1; i += count) h = hash(h + VALUE1(i));
 #endif
-#if defined(COUNT2)
+#if defined(MIX2)
+    h = MIX2(h, index, count);
+#elif defined(COUNT2)
     const uint count2 = COUNT2;
     for (uint i = index % count2; i < count2; i += count) h = hash(h + VALUE2(i));
 #endif
