@@ -94,9 +94,34 @@ struct Choice {
 
 /// A write is available to whatever waits for a barrier.
 struct Available {
+    std::uint32_t write = kNone;
     Time at = 0;
     Stages to = 0; ///< that wait for it
-    std::uint32_t before = kNone;
+
+    bool operator==(const Available&) const = default;
+};
+
+/// What one execution leaves for the next to rely on.
+struct Knowledge {
+    std::vector<Time> clocks;
+    std::vector<Available> available;
+
+    bool operator==(const Knowledge&) const = default;
+    bool contains(const Available& one) const {
+        return std::find(available.begin(), available.end(), one) != available.end();
+    }
+    /// At least what the other says.
+    bool covers(const Knowledge& other) const {
+        return std::equal(clocks.begin(), clocks.end(), other.clocks.begin(),
+                   [](Time a, Time b) { return a >= b; }) &&
+               std::all_of(other.available.begin(), other.available.end(),
+                   [&](const Available& one) { return contains(one); });
+    }
+    void intersect(const Knowledge& other) {
+        std::transform(clocks.begin(), clocks.end(), other.clocks.begin(), clocks.begin(),
+            [](Time a, Time b) { return std::min(a, b); });
+        std::erase_if(available, [&](const Available& one) { return !other.contains(one); });
+    }
 };
 
 class Pruner {
@@ -120,7 +145,7 @@ public:
 
     /// The choices for the plan executed again and again.
     std::vector<Choice> run() {
-        const std::vector<Time> nothing(std::size_t{width_} * width_, kNever);
+        const Knowledge nothing{std::vector<Time>(std::size_t{width_} * width_, kNever), {}};
         if (std::none_of(drafts_.begin(), drafts_.end(),
                 [&](const Draft& draft) { return draft.light && looks_back(draft); })) {
             walk(nothing, false);
@@ -128,19 +153,16 @@ public:
         }
         // What the barriers of one execution leave for the next, they must not be removed by. Start
         // from what holds without any that could be removed so.
-        std::vector<Time> entry = walk(nothing, true);
+        Knowledge entry = walk(nothing, true);
         std::vector<Choice> best;
         for (int round = 0; round < 5; ++round) {
-            std::vector<Time> end = walk(entry, false);
-            const bool holds = std::equal(
-                end.begin(), end.end(), entry.begin(), [](Time a, Time b) { return a >= b; });
-            if (holds) {
+            Knowledge end = walk(entry, false);
+            if (end.covers(entry)) {
                 best.swap(choices_);
                 if (end == entry) break;
                 entry = std::move(end);
             } else if (best.empty()) {
-                std::transform(end.begin(), end.end(), entry.begin(), entry.begin(),
-                    [](Time a, Time b) { return std::min(a, b); });
+                entry.intersect(end);
             } else {
                 break;
             }
@@ -153,6 +175,11 @@ public:
     }
 
 private:
+    struct Link {
+        Available available;
+        std::uint32_t before = kNone; ///< of the same write
+    };
+
     Time* row(std::uint32_t queue, std::uint32_t stage) {
         return &clocks_[std::size_t{queue * kRow + stage} * width_];
     }
@@ -172,13 +199,14 @@ private:
     }
 
     /// One execution. Returns the clocks that it leaves for the next.
-    std::vector<Time> walk(const std::vector<Time>& entry, bool without_looking_back) {
-        clocks_ = entry;
+    Knowledge walk(const Knowledge& entry, bool without_looking_back) {
+        clocks_ = entry.clocks;
         next_.resize(std::size_t{kRow} * width_);
         choices_ = given_;
         without_looking_back_ = without_looking_back;
         available_.clear();
         std::fill(newest_available_.begin(), newest_available_.end(), kNone);
+        for (const Available& one : entry.available) add_available(one);
         std::vector<std::vector<std::uint32_t>> done(queues_);
         snapshots_.resize(plan_.submissions.size() * width_);
         std::size_t draft = 0;
@@ -229,7 +257,7 @@ private:
         std::fill(own, own + kRow, time_of(end_step));
     }
 
-    std::vector<Time> leave(const std::vector<std::vector<std::uint32_t>>& done) {
+    Knowledge leave(const std::vector<std::vector<std::uint32_t>>& done) {
         for (std::uint32_t q = 0; q < queues_; ++q)
             for (std::uint32_t other = 0; other < queues_; ++other) {
                 if (other == q || done[other].empty()) continue;
@@ -245,7 +273,20 @@ private:
                     if (i / kRow != q && stage <= kOther) clocks[i] = 0;
                 }
             }
-        return clocks_;
+        Knowledge knowledge{clocks_, {}};
+        for (const Link& link : available_) {
+            const bool before = link.available.write & 1;
+            const std::uint32_t write = link.available.write + 1; // the same, in the next execution
+            if (!before && write < newest_available_.size())
+                knowledge.available.push_back(
+                    {write, link.available.at - period_, link.available.to});
+        }
+        return knowledge;
+    }
+
+    void add_available(const Available& available) {
+        available_.push_back({available, newest_available_[available.write]});
+        newest_available_[available.write] = static_cast<std::uint32_t>(available_.size() - 1);
     }
 
     void join(Time* a, const Time* b) const {
@@ -270,7 +311,7 @@ private:
         if (past.write == kNone) return true;
         for (std::uint32_t i = newest_available_[past.write]; i != kNone;
              i = available_[i].before) {
-            const Available& available = available_[i];
+            const Available& available = available_[i].available;
             bool found = available.to >> t & 1;
             each(available.to, [&](std::uint32_t d) {
                 found = found || newest(t)[queue_ * kRow + d] > available.at;
@@ -330,7 +371,11 @@ private:
             };
             std::stable_sort(light_.begin(), light_.end(),
                 [&](std::uint32_t a, std::uint32_t b) { return size(a) < size(b); });
-            for (const std::uint32_t i : light_) choices_[i].dead = implied_by_others(i);
+            for (const std::uint32_t i : light_) {
+                choices_[i].dead = true;
+                choices_[i].dead = std::all_of(light_.begin(), light_.end(),
+                    [&](std::uint32_t k) { return !choices_[k].dead || implied_by_others(k); });
+            }
         }
         for (const std::uint32_t i : light_)
             if (!choices_[i].dead) apply(i, now);
@@ -409,9 +454,7 @@ private:
         if (choice.flushes)
             for (const Past& past : pasts_of(drafts_[index])) {
                 if (past.write == kNone) continue;
-                available_.push_back(
-                    {now, with(kLater, choice.dst), newest_available_[past.write]});
-                newest_available_[past.write] = static_cast<std::uint32_t>(available_.size() - 1);
+                add_available({past.write, now, with(kLater, choice.dst)});
             }
         std::array<Time, 8 * kRow> known;
         std::fill(known.begin(), known.begin() + width_, kNever);
@@ -434,9 +477,10 @@ private:
     const std::uint32_t queues_, width_;
     const Time period_;
     std::vector<Choice> given_, choices_, last_choices_;
-    std::vector<Time> clocks_, next_, snapshots_, last_end_;
+    std::vector<Time> clocks_, next_, snapshots_;
+    Knowledge last_end_;
     std::size_t end_of_looking_back_ = 0; ///< after the last draft that waits for the past
-    std::vector<Available> available_;
+    std::vector<Link> available_;
     std::vector<std::uint32_t> newest_available_; ///< per write
     std::vector<std::uint32_t> light_;            ///< of the batch: those that order execution only
     Stages touched_ = 0;                          ///< rows that the batch changes
