@@ -191,19 +191,21 @@ void SequentialModel::run_raster(PassId pass) {
             for (std::size_t i = 0; i < places.size(); ++i)
                 write_target(use, places[i],
                     hash_word(hashes[i % hashes.size()] + static_cast<std::uint32_t>(i)));
-        } else if (use.access == Access::color_attachment) {
-            if (use.load == LoadOp::load) (void)read(use);
-        } else if (use.access != Access::depth_attachment) {
-            continue;
+        } else if (writes(use.access)) {
+            draw(use, places, hashes, passes_.discards(pass));
         }
-        if (is_storage_target(use)) continue;
-        const bool depth = use.access == Access::depth_attachment;
-        for (std::size_t i = 0; i < places.size(); ++i) {
-            if (use.load == LoadOp::clear) write(use.resource, places[i], bits_of(0.0f));
-            if (passes_.discards(pass) && hashes[i] & 1) continue;
-            const std::uint32_t hash = depth ? hash_word(hashes[i]) | 0x100 : hashes[i];
-            write(use.resource, places[i], bits_of(texel_of(hash)));
-        }
+    }
+}
+
+void SequentialModel::draw(const Use& attachment, const std::vector<std::size_t>& places,
+    const Words& hashes, bool discards) {
+    const bool depth = attachment.access == Access::depth_attachment;
+    if (attachment.load == LoadOp::load) (void)read(attachment);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        if (attachment.load == LoadOp::clear) write(attachment.resource, places[i], bits_of(0.0f));
+        if (discards && hashes[i] & 1) continue;
+        const std::uint32_t hash = depth ? hash_word(hashes[i]) | 0x100 : hashes[i];
+        write(attachment.resource, places[i], bits_of(texel_of(hash)));
     }
 }
 

@@ -44,6 +44,8 @@ private:
     void write_target(const Use& target, std::size_t place, std::uint32_t hash);
     void run_compute(PassId pass);
     void run_raster(PassId pass);
+    void draw(const Use& attachment, const std::vector<std::size_t>& places, const Words& hashes,
+        bool discards);
     void run_transfers(PassId pass);
 
     const HashPasses& passes_;
