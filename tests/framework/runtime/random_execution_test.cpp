@@ -133,8 +133,8 @@ public:
     /// The caller's half of what the plan hands over to other queue families: where there is one
     /// family, its layouts.
     void take_over(const Plan& plan) {
-        for (const Barrier& barrier : plan.exit_barriers()) {
-            if (barrier.hazard != Hazard::release) continue;
+        for (const Barrier& barrier : plan.barriers) {
+            if (barrier.hazard != Hazard::release || barrier.to != kNone) continue;
             for (const auto& [id, image] : images_)
                 if (id == barrier.resource)
                     change_layout(image, barrier.old_layout, barrier.new_layout, barrier.part);
