@@ -215,15 +215,15 @@ TEST(Cull, HistoriesLiveWhereAnOlderContentIsRead) {
     Graph graph = make(2, true);
     Plan plan = compile(graph.declaration());
     EXPECT_EQ(order_line(graph.declaration(), plan), "next look");
-    EXPECT_EQ(verdict(graph, plan, "h@-2"), "kept: used by 'next'; persistent");
+    EXPECT_EQ(verdict(graph, plan, "h@-2"), "kept: used by 'next'; 2 executions old");
     EXPECT_EQ(verdict(graph, plan, "h@-1"),
-        "kept: a step of the history between two that are used; persistent");
+        "kept: a step of the history between two that are used; 1 execution old");
 
     // Nobody reads an older content: the ring does not turn.
     graph = make(0, true);
     plan = compile(graph.declaration());
     EXPECT_EQ(order_line(graph.declaration(), plan), "next look");
-    EXPECT_EQ(verdict(graph, plan, "h"), "kept: used from 'next' to 'look'; persistent");
+    EXPECT_EQ(verdict(graph, plan, "h"), "kept: used from 'next' to 'look'; newest of 3 kept contents");
     EXPECT_EQ(verdict(graph, plan, "h@-1"), "culled: no live pass uses it");
 
     // A ring that feeds only itself is dead.
