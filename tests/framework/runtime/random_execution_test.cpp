@@ -134,7 +134,11 @@ public:
     /// family, its layouts.
     void take_over(const Plan& plan) {
         for (const Barrier& barrier : plan.barriers) {
-            if (barrier.hazard != Hazard::release || barrier.to != kNone) continue;
+            const bool within_plan = std::ranges::any_of(plan.barriers, [&](const Barrier& other) {
+                return other.hazard == Hazard::acquire && other.to == kNone &&
+                       other.resource == barrier.resource && other.part == barrier.part;
+            });
+            if (barrier.hazard != Hazard::release || barrier.to != kNone || within_plan) continue;
             for (const auto& [id, image] : images_)
                 if (id == barrier.resource)
                     change_layout(image, barrier.old_layout, barrier.new_layout, barrier.part);
