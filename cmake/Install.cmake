@@ -9,7 +9,7 @@ include(CMakePackageConfigHelpers)
 
 # Headers for sources of their own folder only; public headers must not include them.
 set(internal_headers
-  framework/gpu/(selection|shader_compiler)
+  framework/gpu/(selection|shader_compiler|workgroup_memory)
   framework/graph/(checks|describe|json_reader|pack|phases|verify_[a-z]+|words)
   framework/io/(gltf_[a-z]+|texture_image)
   framework/runtime/(barriers|bindings|commands_impl|misuse|resources)

@@ -2,6 +2,7 @@
 #include "framework/gpu/shader.hpp"
 
 #include "framework/core/error.hpp"
+#include "framework/gpu/workgroup_memory.hpp"
 
 #include <spirv_cross/spirv_cross_c.h>
 
@@ -307,6 +308,8 @@ private:
 
 } // namespace
 
+constexpr std::uint64_t kMaxWorkgroupBytes = 32 * 1024; ///< of both test drivers
+
 std::array<std::uint32_t, 3> Reflection::local_size(const Specialization& specialization) const {
     std::array<std::uint32_t, 3> size = default_local_size;
     for (const auto& [id, value] : specialization) {
@@ -318,7 +321,11 @@ std::array<std::uint32_t, 3> Reflection::local_size(const Specialization& specia
 }
 
 Reflection reflect(std::string_view name, std::span<const std::uint32_t> words) {
-    return Reflector(name, words).run();
+    Reflection result = Reflector(name, words).run();
+    if (const std::uint64_t bytes = workgroup_bytes(words); bytes > kMaxWorkgroupBytes)
+        fail_input("shader '{}' shares {} bytes in a workgroup; portable are at most {}", name,
+            bytes, kMaxWorkgroupBytes);
+    return result;
 }
 
 } // namespace ockham::gpu

@@ -83,7 +83,7 @@ struct Reflection {
 
 /// Throws Error(input) naming the shader where it holds what the runtime does not bind: descriptor
 /// arrays, separate samplers, multisampled images, texel buffers, or more than the portable budget
-/// (4 sets, 16 storage images, 128 bytes of push constants).
+/// (4 sets, 16 storage images, 128 bytes of push constants, 32 KiB of shared variables).
 Reflection reflect(std::string_view name, std::span<const std::uint32_t> words);
 
 } // namespace ockham::gpu

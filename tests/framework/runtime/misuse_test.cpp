@@ -148,6 +148,9 @@ TEST_F(MisuseTest, BeyondThePortableBudget) {
     EXPECT_EQ(run_shader("test/large_group.comp", {{1, 8}}), "");
     expect_contains(run_shader("test/many_constants.comp", {}),
         {"'bad'", "test/many_constants.comp", "144 bytes", "128"});
+    EXPECT_EQ(run_shader("test/shared_memory.comp", {}), "");
+    expect_contains(run_shader("test/shared_memory.comp:too_much", {}),
+        {"'bad'", "test/shared_memory.comp:too_much", "49152 bytes", "32768"});
 }
 
 TEST_F(MisuseTest, CommandsInTheWrongPass) {
