@@ -65,7 +65,8 @@ class Scheduler {
 public:
     Scheduler(const Declaration& declaration, const Pieces& pieces, Plan& plan)
         : declaration_(declaration), pieces_(pieces), plan_(plan),
-          queue_of_(plan.steps.size() + 1, 0), past_(plan.steps.size() + 1) {}
+          queue_of_(plan.steps.size() + 1, 0), met_(declaration.resources.size(), 0),
+          past_(plan.steps.size() + 1) {}
 
     /// False: one queue would do as well, and nothing has been changed.
     bool run(const Choice& choice) {
@@ -152,11 +153,10 @@ private:
             const PassId pass = plan_.steps[step].pass;
             if (!declaration_.passes[pass].side_effect.empty())
                 depend(step, std::exchange(last_effect, step));
-            for (const Use& use : declaration_.uses_of(pass)) {
+            for (const Use& use : declaration_.uses_of(pass))
                 pieces_.each(
                     use, [&](PieceId piece) { find_dependence(step, use, epochs[piece]); });
-                own(step, use.resource, epochs);
-            }
+            for (const Use& use : declaration_.uses_of(pass)) meet_rest(step, use, epochs);
         }
         // The exit barriers come last, on queue 0.
         for (PieceId piece = 0; piece < epochs.size(); ++piece) {
@@ -208,14 +208,22 @@ private:
         epoch.pending = false;
     }
 
-    /// The first queue family that uses a part of what the caller owns has all of it.
-    void own(std::uint32_t step, ResourceId id, std::vector<Epoch>& epochs) const {
-        if (declaration_.resources[id].lifetime != Lifetime::external) return;
+    /// What the caller owns is taken over as a whole where a part of it is used first.
+    void meet_rest(std::uint32_t step, const Use& use, std::vector<Epoch>& epochs) {
+        const ResourceId id = use.resource;
+        if (declaration_.resources[id].lifetime != Lifetime::external || met_[id]) return;
+        met_[id] = 1;
+        const std::uint32_t queue = queue_of_[step];
         const PieceId first = pieces_.first(id);
         for (PieceId piece = first; piece < first + pieces_.count(id); ++piece) {
-            if (epochs[piece].family != kNone) continue;
-            epochs[piece].family = family_of(queue_of_[step]);
-            epochs[piece].last[queue_of_[step]] = step;
+            Epoch& epoch = epochs[piece];
+            if (epoch.last[queue] == step) continue;
+            if (epoch.family == kNone || epoch.family == family_of(queue)) {
+                epoch.family = family_of(queue);
+                epoch.last[queue] = step;
+            } else {
+                find_dependence(step, use, epoch);
+            }
         }
     }
 
@@ -332,6 +340,7 @@ private:
     std::vector<PlanQueue> queues_;
     std::vector<std::uint8_t> concurrent_;
     std::vector<std::uint32_t> queue_of_; ///< per step, and of the exit: queue 0
+    std::vector<std::uint8_t> met_;       ///< per resource of the caller: used before
     std::vector<Dependence> dependences_, waits_;
     std::vector<std::uint32_t> position_; ///< per step: which of its queue's, from 1
     std::vector<PerQueue> past_;          ///< per step: steps of each queue that are over by then

@@ -44,7 +44,8 @@ std::uint32_t Synchronizer::draft(
         if (draft.past_count == 0) return kNone;
         barrier.dst_access = 0;
     }
-    if (barrier.src_stages == 0 && tail.stages != 0) barrier.src_stages = after_waits(next);
+    if (barrier.src_stages == 0 && (tail.stages != 0 || tail.reads != kNone))
+        barrier.src_stages = after_waits(next);
     if (relation.changes && next.discards)
         barrier.old_layout = VK_IMAGE_LAYOUT_UNDEFINED; // it need not survive the transition
     barrier.hazard = hazard_of(tail, next);

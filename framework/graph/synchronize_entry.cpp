@@ -53,10 +53,12 @@ void Synchronizer::meet_rest(ResourceId id, const Next& next) {
         Tail& tail = tails_[piece];
         if (tail.started) continue;
         meet_caller(tail, next);
-        if (tail.family == VK_QUEUE_FAMILY_IGNORED || tail.family == family_of(next.queue))
+        if (tail.family == VK_QUEUE_FAMILY_IGNORED || tail.family == family_of(next.queue)) {
             settle(tail, next);
-        else
+        } else {
             take_over(piece, id, tail, next);
+            tail.started = true; // the exit follows the acquire
+        }
         tail.pass = kNone; // nobody has used it yet
     }
     flags_[id] |= kMet;

@@ -90,7 +90,8 @@ void Execution::enter(ResourceId id, std::uint32_t queue) {
         piece = {};
         piece.layout = is_image(id) ? entry.layout : VK_IMAGE_LAYOUT_UNDEFINED;
         piece.content = !is_image(id) || entry.layout != VK_IMAGE_LAYOUT_UNDEFINED;
-        piece.owner = entry.queue_family;
+        // Where no family is named, the first that uses any of it owns all of it.
+        piece.owner = entry.queue_family == kNobody ? family : entry.queue_family;
         if (entry.queue_family != kNobody && entry.queue_family != family)
             piece.transfer = {true, true, entry.queue_family, family, entry.layout,
                 VK_IMAGE_LAYOUT_UNDEFINED, {0, 1}};
@@ -106,7 +107,7 @@ void Execution::enter(ResourceId id, std::uint32_t queue) {
             write.accesses = writes_of(accesses);
         } else { // somebody wrote before, and the caller's last accesses saw it
             write.any = true;
-            write.add_available({now, stages});
+            write.available.push_back({now, stages});
             write.add_visible(queue, stages, accesses);
             piece.reads.push_back({Event::What::caller, kNone, execution_, now, stages, accesses});
         }
@@ -139,10 +140,13 @@ void Execution::execute(const Step& step, std::uint32_t queue) {
     batch(step.first_barrier, step.barrier_count, queue);
     const PassDecl& pass = declaration_.passes[step.pass];
     const Point point = clocks_.advance(queue);
+    // A guard that contradicts itself never consents: only the barriers are executed.
+    const bool never = guards_.exclude(pass.guard, pass.guard);
     for (std::uint32_t use = pass.first_use; use < pass.first_use + pass.use_count; ++use) {
         const ResourceId id = declaration_.uses[use].resource;
         const Accessor accessor{step.pass, pass.guard, queue, meanings_[use]};
         begin(id, grids_.first(id), step.pass);
+        if (never) continue;
         grids_.each(id, grids_.of_use(use),
             [&](std::uint32_t piece) { access(accessor, id, piece, point); });
     }
@@ -269,16 +273,15 @@ bool Execution::has(const Row& row, Point point, Stages stages, bool any, std::u
 
 bool Execution::is_available(const Row& scope, std::uint32_t queue, const Write& write) {
     if (scope[kStageCount + write.at.queue] >= write.at.index) return true;
-    for (std::uint32_t i = 0; i < write.available_count; ++i)
-        if (has(scope, write.available[i].at, write.available[i].stages, true, queue)) return true;
+    for (const Availability& one : write.available)
+        if (has(scope, one.at, one.stages, true, queue)) return true;
     return false;
 }
 
 bool Execution::is_available(std::uint32_t queue, std::uint32_t stage, const Write& write) const {
     if (is_available(clocks_.rows(queue)[stage], queue, write)) return true;
-    for (std::uint32_t i = 0; i < write.available_count; ++i)
-        if (write.available[i].at.queue == queue && (write.available[i].stages >> stage & 1))
-            return true;
+    for (const Availability& one : write.available)
+        if (one.at.queue == queue && (one.stages >> stage & 1)) return true;
     return false;
 }
 

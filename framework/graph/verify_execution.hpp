@@ -43,16 +43,10 @@ struct Availability {
 };
 
 struct Write : Event {
-    std::array<Availability, 4> available{};
-    std::uint32_t available_count = 0;
+    std::vector<Availability> available;
     std::uint32_t queue = 0; ///< that `visible` speaks of
     std::array<Accesses, kStageCount> visible{};
 
-    void add_available(Availability availability) {
-        available[available_count % available.size()] = availability;
-        available_count =
-            std::min(available_count + 1, static_cast<std::uint32_t>(available.size()));
-    }
     void add_visible(std::uint32_t on, Stages stages_of_barrier, Accesses accesses_of_barrier) {
         if (queue != on) visible = {};
         queue = on;
