@@ -37,6 +37,24 @@ ResourceDecl declare(
     return resource;
 }
 
+/// What a call said; begins all that it mixes, so that calls of one kind never look like another.
+enum class Said : std::uint8_t {
+    resource,
+    pass,
+    use,
+    queue,
+    side_effect,
+    exported,
+    condition,
+    guard,
+    misuse,
+};
+
+void mix(Fingerprint& fingerprint, Said said, std::uint32_t id, std::uint64_t value) {
+    fingerprint.mix(static_cast<std::uint64_t>(said) << 32 | id);
+    fingerprint.mix(value);
+}
+
 void mix(Fingerprint& fingerprint, const AccessState& state) {
     fingerprint.mix(state.stages);
     fingerprint.mix(state.access);
@@ -45,9 +63,9 @@ void mix(Fingerprint& fingerprint, const AccessState& state) {
 }
 
 void mix(Fingerprint& fingerprint, const ResourceDecl& resource) {
+    mix(fingerprint, Said::resource, static_cast<std::uint32_t>(resource.kind),
+        static_cast<std::uint64_t>(resource.lifetime));
     fingerprint.mix(resource.name);
-    fingerprint.mix(static_cast<std::uint64_t>(resource.kind) << 8 |
-                    static_cast<std::uint64_t>(resource.lifetime));
     if (resource.kind == ResourceKind::buffer) {
         fingerprint.mix(resource.buffer.bytes);
     } else {
@@ -66,10 +84,10 @@ void mix(Fingerprint& fingerprint, const ResourceDecl& resource) {
 }
 
 void mix(Fingerprint& fingerprint, const Use& use, const UseDetail& detail, const Part& part) {
-    fingerprint.mix(
-        std::uint64_t{use.resource} << 32 | static_cast<std::uint64_t>(use.access) << 24 |
-        static_cast<std::uint64_t>(use.stage) << 16 | static_cast<std::uint64_t>(use.load) << 8 |
-        static_cast<std::uint64_t>(use.filter));
+    mix(fingerprint, Said::use, use.resource,
+        std::uint64_t{use.part != kNone} << 32 | static_cast<std::uint64_t>(use.access) << 24 |
+            static_cast<std::uint64_t>(use.stage) << 16 |
+            static_cast<std::uint64_t>(use.load) << 8 | static_cast<std::uint64_t>(use.filter));
     fingerprint.mix(detail.binding);
     if (use.part == kNone) return;
     fingerprint.mix(part.offset);
@@ -171,12 +189,12 @@ ImageHandle PassBuilder::depth(ImagePart image, float clear_value) {
 
 PassBuilder& PassBuilder::prefer(QueueWish queue) {
     graph_->declaration_.passes[pass_].queue = queue;
-    graph_->fingerprint_.mix(static_cast<std::uint64_t>(queue));
+    mix(graph_->fingerprint_, Said::queue, pass_, static_cast<std::uint64_t>(queue));
     return *this;
 }
 
 PassBuilder& PassBuilder::side_effect(std::string why) {
-    graph_->fingerprint_.mix(std::uint64_t{!why.empty()});
+    mix(graph_->fingerprint_, Said::side_effect, pass_, why.empty() ? 0 : 1);
     graph_->declaration_.passes[pass_].side_effect = std::move(why);
     return *this;
 }
@@ -197,8 +215,8 @@ GuardScope::GuardScope(Graph& graph, Guard guard) : graph_(graph), outer_(graph.
     auto found = std::find(guards.begin(), guards.end(), guard);
     if (found == guards.end()) {
         found = guards.insert(found, guard);
-        graph.fingerprint_.mix(std::uint64_t{guard.condition} << 1 | std::uint64_t{guard.wanted});
-        graph.fingerprint_.mix(std::uint64_t{guard.parent});
+        mix(graph.fingerprint_, Said::guard, guard.condition,
+            std::uint64_t{guard.parent} << 1 | std::uint64_t{guard.wanted});
     }
     graph.guard_ = static_cast<GuardId>(found - guards.begin());
 }
@@ -254,6 +272,7 @@ ImageHandle Graph::import_image(std::string name, ImageDesc desc, AccessState en
 }
 
 Condition Graph::add_condition(std::string name, std::source_location where) {
+    mix(fingerprint_, Said::condition, 0, 0);
     fingerprint_.mix(name);
     declaration_.conditions.push_back({std::move(name), where});
     return {static_cast<ConditionId>(declaration_.conditions.size() - 1)};
@@ -311,8 +330,8 @@ const BufferDesc& Graph::desc(BufferHandle buffer) const {
 }
 
 PassId Graph::add_pass(std::string name, PassKind kind, std::source_location where) {
+    mix(fingerprint_, Said::pass, guard_, static_cast<std::uint64_t>(kind));
     fingerprint_.mix(name);
-    fingerprint_.mix(std::uint64_t{guard_} << 8 | static_cast<std::uint64_t>(kind));
     PassDecl pass;
     pass.name = std::move(name);
     pass.kind = kind;
@@ -427,12 +446,13 @@ void Graph::add_export(ResourceId resource, std::uint32_t version, std::string w
         refuse_handle(fmt::format("the export '{}'", why), resource, version);
         return;
     }
-    fingerprint_.mix(std::uint64_t{resource});
+    mix(fingerprint_, Said::exported, resource, 0);
     declaration_.resources[resource].exported = true;
     declaration_.resources[resource].export_reason = std::move(why);
 }
 
 void Graph::misuse(const char* code, std::string text) {
+    mix(fingerprint_, Said::misuse, 0, 0); // no plan of a graph without it fits
     declaration_.misuses.push_back({code, fmt::format("graph '{}': {}", declaration_.name, text)});
 }
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 namespace ockham {
 namespace {
 
@@ -89,6 +91,79 @@ TEST(Graph, OnePass) {
     // The previous execution wrote it too; nothing else is to be waited for.
     EXPECT_EQ(barrier_lines(graph.declaration(), plan),
         "pass <- (before): out first_use | compute/storage_write -> compute/storage_write\n");
+}
+
+/// One call more, or on something else, and the plan may be another.
+TEST(Graph, EveryCallGivesAFingerprintOfItsOwn) {
+    struct Parts {
+        Graph graph{"g"};
+        BufferHandle a, b;
+        ImageHandle image;
+    };
+    using Call = std::function<void(Parts&, PassBuilder&)>;
+    const auto fingerprint = [](const Call& first, const Call& second) {
+        Parts parts;
+        Graph& graph = parts.graph;
+        parts.a = graph.create_buffer("a", {1024});
+        parts.b = graph.create_buffer("b", {1024});
+        parts.image = graph.create_persistent_image("image", {VK_FORMAT_R8_UNORM, 8, 8, 1, 2, 2});
+        PassBuilder p = graph.add_compute_pass("p");
+        parts.a = p.write("a", parts.a);
+        first(parts, p);
+        PassBuilder q = graph.add_compute_pass("q");
+        parts.b = q.write("b", parts.b);
+        second(parts, q);
+        return graph.fingerprint();
+    };
+    const std::vector<Call> calls{
+        [](Parts&, PassBuilder&) {},
+        [](Parts&, PassBuilder& pass) { pass.prefer(QueueWish::async_compute); },
+        [](Parts&, PassBuilder& pass) { pass.prefer(QueueWish::transfer); },
+        [](Parts&, PassBuilder& pass) { pass.side_effect("x"); },
+        [](Parts& parts, PassBuilder&) { parts.graph.export_resource(parts.a, "x"); },
+        [](Parts& parts, PassBuilder&) { parts.graph.export_resource(parts.b, "x"); },
+        [](Parts& parts, PassBuilder&) { (void)parts.graph.create_buffer("c", {1}); },
+        [](Parts& parts, PassBuilder&) { (void)parts.graph.create_buffer("c", {2}); },
+        [](Parts& parts, PassBuilder&) { (void)parts.graph.create_persistent_buffer("c", {1}); },
+        [](Parts& parts, PassBuilder&) { (void)parts.graph.create_history_buffer("c", {1}, 1); },
+        [](Parts& parts, PassBuilder&) { (void)parts.graph.create_history_buffer("c", {1}, 2); },
+        [](Parts& parts, PassBuilder&) { (void)parts.graph.import_buffer("c", {1}, {}); },
+        [](Parts& parts, PassBuilder&) {
+            (void)parts.graph.import_buffer("c", {1}, {.queue_family = 1});
+        },
+        [](Parts& parts, PassBuilder&) { (void)parts.graph.add_condition("c"); },
+        [](Parts& parts, PassBuilder&) {
+            const GuardScope guard = parts.graph.when(parts.graph.add_condition("c"));
+            (void)parts.graph.add_compute_pass("r");
+        },
+        [](Parts& parts, PassBuilder&) {
+            const GuardScope guard = parts.graph.unless(parts.graph.add_condition("c"));
+            (void)parts.graph.add_compute_pass("r");
+        },
+        [](Parts& parts, PassBuilder&) { (void)parts.graph.add_compute_pass("r"); },
+        [](Parts& parts, PassBuilder&) { (void)parts.graph.add_transfer_pass("r"); },
+        [](Parts& parts, PassBuilder& pass) { pass.sample("x", parts.image); },
+        [](Parts& parts, PassBuilder& pass) { pass.sample("y", parts.image); },
+        [](Parts& parts, PassBuilder& pass) { pass.sample("x", parts.image.mip(0)); },
+        [](Parts& parts, PassBuilder& pass) { pass.sample("x", parts.image.layer(0)); },
+        [](Parts& parts, PassBuilder& pass) {
+            pass.sample("x", parts.image, Stage::compute, Filter::linear_clamp);
+        },
+        [](Parts& parts, PassBuilder& pass) { pass.read("x", parts.image); },
+        [](Parts& parts, PassBuilder& pass) { (void)pass.write("x", parts.image); },
+        [](Parts&, PassBuilder& pass) { pass.read("x", BufferHandle{}); }, // refused
+    };
+    std::vector<Fingerprint> found;
+    for (const Call& call : calls) {
+        found.push_back(fingerprint(call, calls[0]));
+        if (&call != &calls[0]) found.push_back(fingerprint(calls[0], call));
+        EXPECT_EQ(found.back(),
+            &call == &calls[0] ? fingerprint(call, calls[0]) : fingerprint(calls[0], call));
+    }
+    // Exporting 'b' before its pass writes it is refused, as is the empty handle: both are misuses.
+    for (std::size_t i = 0; i < found.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k)
+            EXPECT_NE(found[i], found[k]) << "calls " << i << " and " << k;
 }
 
 } // namespace
