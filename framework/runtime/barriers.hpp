@@ -20,8 +20,8 @@ public:
         /// the plan's waits give the rest.
         bool one_family = false;
         /// Says twice what follows from Vulkan's rules, but not for the validation layer 1.3.239:
-        /// that a barrier on one resource orders the execution of everything in its stages, and
-        /// that what it makes available may be overwritten.
+        /// that a barrier on one resource orders the execution of everything in its stages and
+        /// those logically earlier and later, and that what is available may be overwritten.
         bool spell_out = false;
     };
     BarrierBatch() = default;

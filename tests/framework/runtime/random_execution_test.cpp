@@ -387,8 +387,9 @@ std::optional<std::uint64_t> number_from(const char* variable) {
 class RandomExecutionTest : public test::GpuTest {
 protected:
     /// `count` programs, or as many as OCKHAM_SEEDS says, or the one of OCKHAM_SEED. Hazards are
-    /// searched for where all is recorded that is declared: otherwise the layer misses the reads
-    /// between two writes and asks for more than the memory model does.
+    /// searched for in the first 300 of those for one queue; beyond, only where all is recorded
+    /// that is declared: where reads between two writes are missing the layer asks for a little
+    /// more than the memory model does, in about one of 300 programs.
     static void run_programs(std::uint64_t count, bool several_queues) {
         gpu::Device core({.validation = gpu::Validation::core});
         const std::optional<std::uint64_t> wanted = number_from("OCKHAM_SEED");
@@ -398,7 +399,8 @@ protected:
         std::uint64_t searched = 0;
         for (std::uint64_t seed = first; seed < end; ++seed) {
             SCOPED_TRACE(fmt::format("OCKHAM_SEED={}", seed));
-            const bool search = !several_queues && RandomProgram(seed).passes().makes_all_reads();
+            const bool search =
+                !several_queues && (seed < 300 || RandomProgram(seed).passes().makes_all_reads());
             gpu::Device& used = search ? device() : core;
             searched += search;
             try {
