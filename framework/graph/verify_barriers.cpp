@@ -39,21 +39,8 @@ void Execution::batch(std::uint32_t first, std::uint32_t count, std::uint32_t qu
         first_scopes_.push_back(clocks_.first_scope(point, scopes_[i]));
     for (std::uint32_t i = 0; i < count; ++i)
         clocks_.let_wait(queue, first_scopes_[i], scopes_[first + i]);
-    // What one barrier of the batch makes available or visible is so for the others.
-    for (std::uint32_t i = 0; i < count; ++i) pass_on(first + i, point, first_scopes_[i]);
     for (std::uint32_t i = 0; i < count; ++i)
         apply(plan_.barriers[first + i], first + i, point, first_scopes_[i]);
-}
-
-void Execution::pass_on(std::uint32_t index, Point point, const Row& scope) {
-    const Barrier& barrier = plan_.barriers[index];
-    if (barrier.hazard == Hazard::alias) // a global one, too: for all whose bytes it takes over
-        for (const ResourceId owner : tenants_[barrier.resource].begun == execution_
-                                          ? tenants_[barrier.resource].under
-                                          : owners_below(barrier.resource))
-            for (Piece& piece : pieces_of(owner)) pass_on(piece, scopes_[index], point, scope);
-    grids_.each(barrier.resource, grids_.of_barrier(index),
-        [&](std::uint32_t piece) { pass_on(pieces_[piece], scopes_[index], point, scope); });
 }
 
 void Execution::apply(const Barrier& barrier, std::uint32_t index, Point point, const Row& scope) {
@@ -76,7 +63,12 @@ void Execution::apply(const Barrier& barrier, std::uint32_t index, Point point, 
         });
     const bool changes = is_image(id) && barrier.old_layout != barrier.new_layout;
     if (changes || acquires) begin(id, first, pass_);
+    if (barrier.hazard == Hazard::alias)
+        for (const ResourceId owner :
+            tenants_[id].begun == execution_ ? tenants_[id].under : owners_below(id))
+            for (Piece& piece : pieces_of(owner)) pass_on(piece, scopes, point, scope);
     grids_.each(id, grids_.of_barrier(index), [&](std::uint32_t piece) {
+        pass_on(pieces_[piece], scopes, point, scope);
         expect_owner(barrier, piece, point, acquires);
         if (releases)
             release(barrier, piece, point, scope);
