@@ -62,7 +62,7 @@ void Execution::apply(const Barrier& barrier, std::uint32_t index, Point point, 
                 text_of(barrier), barrier.src_family, barrier.dst_family, family_of(point.queue));
         });
     const bool changes = is_image(id) && barrier.old_layout != barrier.new_layout;
-    if (changes || acquires) begin(id, first, pass_);
+    if (changes || transfers) begin(id, first, pass_);
     if (barrier.hazard == Hazard::alias)
         for (const ResourceId owner :
             tenants_[id].begun == execution_ ? tenants_[id].under : owners_below(id))
@@ -71,19 +71,23 @@ void Execution::apply(const Barrier& barrier, std::uint32_t index, Point point, 
         pass_on(pieces_[piece], scopes, point, scope);
         expect_owner(barrier, piece, point, acquires);
         if (releases)
-            release(barrier, piece, point, scope);
+            release(barrier, scopes, piece, point, scope);
         else if (changes || acquires)
             transition(barrier, scopes, piece, point, scope, acquires);
     });
 }
 
+/// Whether a barrier at that point has the write in its first access scope.
+static bool names(const Scopes& scopes, const Write& write, Point point) {
+    return !write.any && write.at.queue == point.queue && (write.stages & ~scopes.src) == 0 &&
+           (write.accesses & ~scopes.src_access) == 0;
+}
+
 void Execution::pass_on(Piece& piece, const Scopes& scopes, Point point, const Row& scope) {
     for (Write& write : piece.writes) {
-        const bool names = !write.any && write.at.queue == point.queue &&
-                           (write.stages & ~scopes.src) == 0 &&
-                           (write.accesses & ~scopes.src_access) == 0;
-        if (!names && !is_available(scope, point.queue, write)) continue;
-        if (names) write.available.push_back({point, scopes.second});
+        const bool named = names(scopes, write, point);
+        if (!named && !is_available(scope, point.queue, write)) continue;
+        if (named) write.available.push_back({point, scopes.second});
         write.add_visible(point.queue, scopes.dst, scopes.dst_access);
     }
 }
@@ -117,8 +121,10 @@ void Execution::expect_owner(
         });
 }
 
-void Execution::expect_done(
-    const Barrier& barrier, Piece& piece, std::uint32_t index, Point point, const Row& scope) {
+void Execution::expect_done(const Barrier& barrier, const Scopes& scopes, const Piece& piece,
+    std::uint32_t index, Point point, const Row& scope) {
+    // Memory that was written through other resources is covered by the global half of `alias`.
+    const bool covered = &piece == &pieces_[index] || barrier.hazard == Hazard::alias;
     const auto waits_for = [&](const Event& event) {
         if (covers(scope, point.queue, event)) return true;
         say(Kind::execution, index, event.pass, pass_, [&] {
@@ -130,12 +136,8 @@ void Execution::expect_done(
     };
     for (const Write& write : piece.writes) {
         if (!waits_for(write)) continue;
-        const bool now =
-            std::any_of(write.available.begin(), write.available.end(), [&](const Availability& a) {
-                return a.at.queue == point.queue && a.at.index == point.index;
-            });
-        // Made available by this batch: by a barrier that names it, so by this one or a twin.
-        if (!now && !is_available(scope, point.queue, write))
+        // Barriers of a batch are not ordered among themselves: this one must name the write.
+        if (!(covered && names(scopes, write, point)) && !is_available(scope, point.queue, write))
             say(Kind::memory, index, write.pass, pass_, [&] {
                 return fmt::format(
                     "{} changes it before {} is available", text_of(barrier), text_of(write));
@@ -155,11 +157,11 @@ void Execution::expect_layout(const Barrier& barrier, std::uint32_t index) {
     });
 }
 
-void Execution::release(
-    const Barrier& barrier, std::uint32_t index, Point point, const Row& scope) {
+void Execution::release(const Barrier& barrier, const Scopes& scopes, std::uint32_t index,
+    Point point, const Row& scope) {
     Piece& piece = pieces_[index];
     expect_layout(barrier, index);
-    expect_done(barrier, piece, index, point, scope);
+    expect_done(barrier, scopes, piece, index, point, scope);
     piece.transfer = {true, false, barrier.src_family, barrier.dst_family, barrier.old_layout,
         barrier.new_layout, point};
 }
@@ -175,11 +177,13 @@ void Execution::transition(const Barrier& barrier, const Scopes& scopes, std::ui
         acquire(barrier, index, scope);
     else
         expect_layout(barrier, index);
-    if (!acquires || piece.transfer.by_caller) expect_done(barrier, piece, index, point, scope);
+    if (!acquires || piece.transfer.by_caller)
+        expect_done(barrier, scopes, piece, index, point, scope);
     if (declaration_.resources[barrier.resource].lifetime == Lifetime::transient &&
         piece.taken != execution_) {
         for (const ResourceId owner : tenants_[barrier.resource].under)
-            for (Piece& below : pieces_of(owner)) expect_done(barrier, below, index, point, scope);
+            for (const Piece& below : pieces_of(owner))
+                expect_done(barrier, scopes, below, index, point, scope);
         piece.taken = execution_;
     }
     if (is_image(barrier.resource)) {

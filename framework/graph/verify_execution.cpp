@@ -143,10 +143,10 @@ void Execution::execute(const Step& step, std::uint32_t queue) {
     // A guard that contradicts itself never consents: only the barriers are executed.
     const bool never = guards_.exclude(pass.guard, pass.guard);
     for (std::uint32_t use = pass.first_use; use < pass.first_use + pass.use_count; ++use) {
+        if (never) break;
         const ResourceId id = declaration_.uses[use].resource;
         const Accessor accessor{step.pass, pass.guard, queue, meanings_[use]};
         begin(id, grids_.first(id), step.pass);
-        if (never) continue;
         grids_.each(id, grids_.of_use(use),
             [&](std::uint32_t piece) { access(accessor, id, piece, point); });
     }

@@ -174,10 +174,11 @@ private:
     static void pass_on(Piece& piece, const Scopes& scopes, Point point, const Row& scope);
     void expect_owner(const Barrier& barrier, std::uint32_t index, Point point, bool acquires);
     /// Waits for all that was done with the piece, and finds its writes available.
-    void expect_done(
-        const Barrier& barrier, Piece& piece, std::uint32_t index, Point point, const Row& scope);
+    void expect_done(const Barrier& barrier, const Scopes& scopes, const Piece& piece,
+        std::uint32_t index, Point point, const Row& scope);
     void expect_layout(const Barrier& barrier, std::uint32_t index);
-    void release(const Barrier& barrier, std::uint32_t index, Point point, const Row& scope);
+    void release(const Barrier& barrier, const Scopes& scopes, std::uint32_t index, Point point,
+        const Row& scope);
     /// Layout transitions and acquisitions: all that was before is behind them.
     void transition(const Barrier& barrier, const Scopes& scopes, std::uint32_t index, Point point,
         const Row& scope, bool acquires);
