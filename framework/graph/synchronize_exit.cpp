@@ -81,6 +81,7 @@ VkImageLayout Synchronizer::most_common_layout(ResourceId id) const {
     VkImageLayout best = VK_IMAGE_LAYOUT_UNDEFINED;
     std::ptrdiff_t most = 0;
     for (PieceId piece = first; piece < end; ++piece) {
+        if (!tails_[piece].started) continue; // whatever the execution finds, it leaves the same
         const VkImageLayout layout = tails_[piece].used.layout;
         const std::ptrdiff_t count = std::count_if(tails_.begin() + first, tails_.begin() + end,
             [&](const Tail& tail) { return tail.started && tail.used.layout == layout; });
