@@ -39,17 +39,25 @@ void take(const Placement& placement, Segments& segments, std::vector<Found>& fo
     std::vector<Gap>& gaps) {
     const std::uint64_t begin = placement.offset, end = begin + placement.bytes;
     std::uint64_t at = begin;
-    for (auto segment = find(segments, begin); segment != segments.end() && segment->first < end;) {
+    bool placed = false;
+    auto segment = find(segments, begin);
+    while (segment != segments.end() && segment->first < end) {
         const auto [first, rest] = *segment;
         found.push_back({placement.resource, {rest.owner, false}});
         if (first > at) gaps.push_back({placement.heap, at, first, placement.resource});
         at = rest.end;
-        segment = segments.erase(segment);
-        if (first < begin) segments.emplace(first, Segment{begin, rest.owner});
-        if (rest.end > end) segments.emplace(end, Segment{rest.end, rest.owner});
+        if (first > begin) {
+            segment = segments.erase(segment);
+        } else { // its node stays
+            placed = first == begin;
+            segment->second =
+                placed ? Segment{end, placement.resource} : Segment{begin, rest.owner};
+            ++segment;
+        }
+        if (rest.end > end) segment = segments.emplace_hint(segment, end, rest);
     }
     if (at < end) gaps.push_back({placement.heap, at, end, placement.resource});
-    segments.emplace(begin, Segment{end, placement.resource});
+    if (!placed) segments.emplace_hint(segment, begin, Segment{end, placement.resource});
 }
 
 } // namespace

@@ -19,18 +19,18 @@ struct Meaning {
 constexpr std::size_t kAccesses = static_cast<std::size_t>(Access::host_read) + 1;
 constexpr std::size_t kShaderStages = static_cast<std::size_t>(Stage::fixed) + 1;
 
+const auto kMeanings = [] {
+    std::array<Meaning, kAccesses * kShaderStages> rows;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const auto access = static_cast<Access>(i / kShaderStages);
+        rows[i] = {state_of(access, static_cast<Stage>(i % kShaderStages)), writes(access),
+            {buffer_usage(access), image_usage(access)}};
+    }
+    return rows;
+}();
 const Meaning& meaning_of(const Use& use) {
-    static const auto table = [] {
-        std::array<Meaning, kAccesses * kShaderStages> rows;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            const auto access = static_cast<Access>(i / kShaderStages);
-            rows[i] = {state_of(access, static_cast<Stage>(i % kShaderStages)), writes(access),
-                {buffer_usage(access), image_usage(access)}};
-        }
-        return rows;
-    }();
-    return table[static_cast<std::size_t>(use.access) * kShaderStages +
-                 static_cast<std::size_t>(use.stage)];
+    return kMeanings[static_cast<std::size_t>(use.access) * kShaderStages +
+                     static_cast<std::size_t>(use.stage)];
 }
 
 } // namespace
