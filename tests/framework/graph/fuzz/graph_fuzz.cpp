@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plans random declarations, for random devices, and verifies each plan; damaged declarations must
 // be refused with a code or give a sound plan. Built with sanitizers.
-//   graph_fuzz [--first N] [--count N] [--seed N] [--threads N] [--figures file] [--verbose]
+//   graph_fuzz [--first N] [--count N] [--seed N] [--threads N] [--keep-going N] [--verbose]
 //              [--without parts|histories|guards|queues]...
-// --seed N does one, --verbose shows it. Exit code 1: the first failure, and how to repeat it.
+// --seed N does one, --verbose shows it. Exit code 1: the first failure (--keep-going: the first of
+// each kind, until N have failed), and how to repeat it. Figures: $OCKHAM_FIGURES/graph_fuzz.txt
 #include "framework/core/error.hpp"
 #include "framework/core/timer.hpp"
 #include "framework/graph/dump.hpp"
@@ -12,22 +13,48 @@
 #include "tests/framework/graph/fuzz/corrupt.hpp"
 #include "tests/framework/graph/random_declaration.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <cctype>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
+// Present where the program was linked with the sanitizers' runtimes.
+extern "C" {
+[[gnu::weak]] void __asan_init();
+[[gnu::weak]] void __tsan_init();
+[[gnu::weak]] void __ubsan_handle_out_of_bounds_abort(void* data, void* index);
+[[gnu::weak]] void __sanitizer_set_death_callback(void (*callback)());
+}
+
 namespace ockham {
 namespace {
 
+/// "address, undefined"; "no" where there are none
+std::string sanitizers() {
+    std::string names;
+    const auto add = [&](bool has, const char* name) {
+        if (has) names += (names.empty() ? "" : ", ") + std::string(name);
+    };
+    add(__asan_init != nullptr, "address");
+    add(__tsan_init != nullptr, "thread");
+    add(__ubsan_handle_out_of_bounds_abort != nullptr, "undefined");
+    return names.empty() ? "no" : names;
+}
+
 struct Arguments {
     std::uint64_t first = 0, count = 100000;
+    std::uint64_t keep_going = 1; ///< failures after which to stop
     std::uint32_t threads = 2;
-    std::string figures;
     bool verbose = false;
     RandomOptions options;
 };
@@ -59,13 +86,15 @@ struct Figures {
         };
         const auto per_graph = [&](double value) { return value / static_cast<double>(graphs); };
         return fmt::format(
-            "graph_fuzz: {} declarations in {:.1f} s ({:.0f} per s), all plans sound; {} steps, {} "
-            "barriers, {:.1f} % on several queues; compile {:.0f} us, verify {:.0f} us each "
-            "(sanitized); heap / lower bound p50 {:.3f}, p95 {:.3f}, max {:.3f}; {} of {} damaged "
-            "ones refused, the others sound",
-            graphs + damaged, seconds, static_cast<double>(graphs + damaged) / seconds, steps,
-            barriers, 100 * per_graph(static_cast<double>(several_queues)), per_graph(compile_us),
-            per_graph(verify_us), quantile(0.5), quantile(0.95), quantile(1), refused, damaged);
+            "graph_fuzz: {} declarations in {:.1f} s ({:.0f} per s), all plans sound\n"
+            "  {} damaged ones, {} refused, the others planned soundly\n"
+            "  {} steps, {} barriers, {:.1f} % of the plans on several queues\n"
+            "  heap / lower bound p50 {:.3f}, p95 {:.3f}, max {:.3f}\n"
+            "  compile {:.0f} us, verify {:.0f} us each; sanitizers: {}\n",
+            graphs + damaged, seconds, static_cast<double>(graphs + damaged) / seconds, damaged,
+            refused, steps, barriers, 100 * per_graph(static_cast<double>(several_queues)),
+            quantile(0.5), quantile(0.95), quantile(1), per_graph(compile_us), per_graph(verify_us),
+            sanitizers());
     }
 };
 
@@ -145,22 +174,109 @@ std::string run(std::uint64_t seed, const Arguments& arguments, Figures& figures
                          : run_valid(seed, arguments, figures);
 }
 
+std::string replay_options; ///< the features left out, as typed
+
+std::string replay_command(std::uint64_t seed) {
+    return fmt::format("graph_fuzz --seed {} --verbose{}", seed, replay_options);
+}
+
+thread_local std::uint64_t present_seed = 0; ///< that this thread works on
+
+/// A sanitizer or a failed check() ends the process: says at which seed.
+void say_seed() {
+    fmt::print(stderr, "seed {} ended the program\nrepeat it with: {}\n", present_seed,
+        replay_command(present_seed));
+}
+
+void say_seed_when_ended() {
+    if (__sanitizer_set_death_callback) __sanitizer_set_death_callback(say_seed);
+    for (const int signal : {SIGABRT, SIGTERM})
+        std::signal(signal, [](int number) {
+            say_seed();
+            std::signal(number, SIG_DFL);
+            std::raise(number);
+        });
+}
+
+/// Failures by kind: messages without names and numbers.
+class Failures {
+public:
+    explicit Failures(std::uint64_t limit) : limit_(limit) {}
+
+    void add(std::uint64_t seed, const std::string& problem) {
+        const std::scoped_lock lock(mutex_);
+        Kind& kind = kinds_[kind_of(problem)];
+        if (kind.count++ == 0 || seed < kind.seed) {
+            kind.seed = seed;
+            kind.text = problem;
+        }
+        ++count_;
+    }
+    bool are_enough() const { return count_ >= limit_; }
+    bool empty() const { return kinds_.empty(); }
+
+    void print() const {
+        for (const auto& [_, kind] : kinds_)
+            fmt::print("seed {}: {}\nrepeat it with: {}\n{}", kind.seed, kind.text,
+                replay_command(kind.seed),
+                kind.count > 1 ? fmt::format("({} seeds fail like this)\n", kind.count) : "");
+        if (count_ > 1) fmt::print("{} failures of {} kinds\n", count_.load(), kinds_.size());
+    }
+
+private:
+    struct Kind {
+        std::uint64_t count = 0, seed = 0;
+        std::string text;
+    };
+
+    /// The first line, names and numbers left out.
+    static std::string kind_of(const std::string& problem) {
+        std::string kind;
+        bool is_name = false;
+        const std::size_t start = problem.starts_with("damaged") ? problem.find('\n') + 1 : 0;
+        for (const char c : problem.substr(start, problem.find('\n', start) - start)) {
+            if (c == '\'') is_name = !is_name;
+            if (!is_name && !std::isdigit(static_cast<unsigned char>(c))) kind += c;
+        }
+        return problem.substr(0, start) + kind;
+    }
+
+    std::uint64_t limit_;
+    std::atomic<std::uint64_t> count_ = 0;
+    std::mutex mutex_;
+    std::map<std::string, Kind> kinds_;
+};
+
+/// To $OCKHAM_FIGURES/graph_fuzz.txt, if that is set.
+void write_figures(const std::string& text) {
+    const char* const folder = std::getenv("OCKHAM_FIGURES");
+    if (!folder || !*folder) return;
+    std::filesystem::create_directories(folder);
+    const auto path = std::filesystem::path(folder) / "graph_fuzz.txt";
+    std::ofstream file(path);
+    file << text;
+    file.close();
+    if (!file) fail_input("cannot write '{}'", path.string());
+}
+
 int fuzz(const Arguments& arguments) {
     const Timer timer;
     std::atomic<std::uint64_t> next = arguments.first;
-    std::atomic<bool> failed = false;
     const std::uint64_t end = arguments.first + arguments.count;
+    Failures failures(arguments.keep_going);
     Figures all;
     std::mutex mutex;
     const auto work = [&] {
         Figures figures;
-        for (std::uint64_t seed = next++; seed < end && !failed; seed = next++) {
-            const std::string problem = run(seed, arguments, figures);
-            if (problem.empty()) continue;
-            const std::scoped_lock lock(mutex);
-            if (failed.exchange(true)) break;
-            fmt::print("seed {}: {}\nrepeat it with: graph_fuzz --seed {} --verbose\n", seed,
-                problem, seed);
+        for (std::uint64_t seed = next++; seed < end && !failures.are_enough(); seed = next++) {
+            present_seed = seed;
+            std::string problem;
+            try {
+                problem = run(seed, arguments, figures);
+            } catch (const std::exception& error) {
+                problem = fmt::format("threw: {}", error.what());
+            }
+            if (!problem.empty()) failures.add(seed, problem);
         }
         const std::scoped_lock lock(mutex);
         all.add(figures);
@@ -169,17 +285,11 @@ int fuzz(const Arguments& arguments) {
     for (std::uint32_t i = 1; i < arguments.threads; ++i) threads.emplace_back(work);
     work();
     for (std::thread& thread : threads) thread.join();
-    if (failed) return 1;
+    failures.print();
+    if (!failures.empty()) return 1;
     const std::string text = all.text(timer.seconds());
-    fmt::print("{}\n", text);
-    if (arguments.figures.empty()) return 0;
-    std::FILE* const file = std::fopen(arguments.figures.c_str(), "w");
-    if (!file) {
-        fmt::print("cannot write '{}'\n", arguments.figures);
-        return 2;
-    }
-    fmt::print(file, "{}\n", text);
-    std::fclose(file);
+    fmt::print("{}", text);
+    write_figures(text);
     return 0;
 }
 
@@ -221,14 +331,22 @@ int main_of(int count, char** words) {
             arguments.count = number;
         } else if (word == "--threads") {
             arguments.threads = static_cast<std::uint32_t>(number);
-        } else if (word == "--figures") {
-            arguments.figures = value;
-        } else if (word != "--without" || !leave_out(value, arguments.options)) {
+        } else if (word == "--keep-going") {
+            arguments.keep_going = number;
+        } else if (word == "--without" && leave_out(value, arguments.options)) {
+            replay_options += " --without " + std::string(value);
+        } else {
             fmt::print("{} {}: unknown; see graph_fuzz.cpp\n", word, value);
             return 2;
         }
     }
-    return fuzz(arguments);
+    say_seed_when_ended();
+    try {
+        return fuzz(arguments);
+    } catch (const Error& error) {
+        fmt::print("{}\n", error.what());
+        return 2;
+    }
 }
 
 } // namespace
