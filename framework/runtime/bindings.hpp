@@ -20,7 +20,7 @@ public:
     Bindings(const gpu::Device& device, const Declaration& declaration);
 
     /// Indices into Declaration::uses, one for each slot of the pipeline's layout. Throws
-    /// Error(input) with a code of docs/graph.md where shader and declaration disagree.
+    /// Error(input) with a code of docs/runtime.md where shader and declaration disagree.
     const std::vector<std::uint32_t>& of(PassId pass, const gpu::Pipeline& pipeline);
     std::size_t pipeline_count() const; ///< different ones so far
 

@@ -12,20 +12,25 @@ namespace {
 /// What every Vulkan device allows per axis.
 constexpr std::uint32_t kMaxGroups = 65535;
 
-bool contains(const Part& outer, const Part& inner) {
-    return inner.offset >= outer.offset &&
-           inner.offset + inner.bytes <= outer.offset + outer.bytes &&
-           inner.first_mip >= outer.first_mip &&
-           inner.first_mip + inner.mips <= outer.first_mip + outer.mips &&
-           inner.first_layer >= outer.first_layer &&
-           inner.first_layer + inner.layers <= outer.first_layer + outer.layers;
+/// Whether [first, first + count), not empty, lies in [begin, begin + size); no sum, so no
+/// overflow.
+bool is_inside(std::uint64_t first, std::uint64_t count, std::uint64_t begin, std::uint64_t size) {
+    return first >= begin && first - begin < size && count > 0 && count <= size - (first - begin);
 }
 
-/// Ends resolved; one beyond the resource stays beyond.
+bool contains(const Part& outer, const Part& inner, ResourceKind kind) {
+    if (kind == ResourceKind::buffer)
+        return is_inside(inner.offset, inner.bytes, outer.offset, outer.bytes);
+    return is_inside(inner.first_mip, inner.mips, outer.first_mip, outer.mips) &&
+           is_inside(inner.first_layer, inner.layers, outer.first_layer, outer.layers);
+}
+
+/// Ends resolved; a part that begins beyond the resource is empty.
 Part resolve(Part part, const ResourceDecl& resource) {
-    if (part.bytes == kRest) part.bytes = resource.buffer.bytes - part.offset;
-    if (part.mips == kRestOfMips) part.mips = resource.image.mips - part.first_mip;
-    if (part.layers == kRestOfMips) part.layers = resource.image.layers - part.first_layer;
+    const auto rest = [](auto size, auto first) { return first < size ? size - first : 0; };
+    if (part.bytes == kRest) part.bytes = rest(resource.buffer.bytes, part.offset);
+    if (part.mips == kRestOfMips) part.mips = rest(resource.image.mips, part.first_mip);
+    if (part.layers == kRestOfLayers) part.layers = rest(resource.image.layers, part.first_layer);
     return part;
 }
 
@@ -50,7 +55,7 @@ CommandsImpl::Target CommandsImpl::used(
     for (const Use& use : declaration.uses_of(id_)) {
         if (use.resource != id || use.access != access) continue;
         declared = true;
-        if (contains(part_of(declaration, use), part)) {
+        if (contains(part_of(declaration, use), part, Kind)) {
             return {recording_.resources[id], resource, part};
         }
     }
@@ -168,7 +173,12 @@ void CommandsImpl::prepare(const gpu::Pipeline& pipeline, const ComputeCall& cal
 }
 
 void CommandsImpl::dispatch(const ComputeCall& call, glm::uvec3 groups) {
-    prepare(compute_pipeline(call), call);
+    dispatch(compute_pipeline(call), call, groups);
+}
+
+void CommandsImpl::dispatch(
+    const gpu::Pipeline& pipeline, const ComputeCall& call, glm::uvec3 groups) {
+    prepare(pipeline, call);
     for (int axis = 0; axis < 3; ++axis) {
         const std::uint32_t limit =
             std::min(kMaxGroups, recording_.device.limits().groups[static_cast<std::size_t>(axis)]);
@@ -185,11 +195,13 @@ void CommandsImpl::dispatch(const ComputeCall& call, glm::uvec3 groups) {
 }
 
 void CommandsImpl::dispatch_over(const ComputeCall& call, glm::uvec3 items) {
-    const std::array<std::uint32_t, 3> size = compute_pipeline(call).local_size;
+    const gpu::Pipeline& pipeline = compute_pipeline(call);
+    const std::array<std::uint32_t, 3>& size = pipeline.local_size;
     const auto cover = [](std::uint32_t count, std::uint32_t group) {
         return count / group + (count % group != 0);
     };
-    dispatch(call, {cover(items.x, size[0]), cover(items.y, size[1]), cover(items.z, size[2])});
+    dispatch(pipeline, call,
+        {cover(items.x, size[0]), cover(items.y, size[1]), cover(items.z, size[2])});
 }
 
 void CommandsImpl::dispatch_indirect(
@@ -198,7 +210,7 @@ void CommandsImpl::dispatch_indirect(
     const std::uint64_t bytes = arguments.resource < recording_.declaration.resources.size()
                                     ? recording_.resources[arguments.resource].bytes
                                     : 0;
-    if (offset_bytes % 4 != 0 || offset_bytes + 12 > bytes) {
+    if (offset_bytes % 4 != 0 || bytes < 12 || offset_bytes > bytes - 12) {
         fail("bad-offset",
             "shader '{}': indirect arguments at byte {} of {} bytes; the offset must be a multiple "
             "of 4 with 12 bytes after it",
@@ -284,6 +296,14 @@ void CommandsImpl::fill(const BufferPart& buffer, std::uint32_t value) {
 
 void CommandsImpl::clear(const ImagePart& image, const std::array<float, 4>& value) {
     const Target to = used(image, Access::transfer_write, "clear()");
+    const bool depth = to.resource.image->aspect() & VK_IMAGE_ASPECT_DEPTH_BIT;
+    const QueueFamily& family = recording_.family;
+    if (!family.graphics && (depth || !family.compute)) {
+        fail("wrong-queue",
+            "clear() of {} needs a queue with {}, which the pass's queue lacks; prefer() another "
+            "one, or clear it in a pass of its own",
+            describe(to.decl), depth ? "graphics" : "compute");
+    }
     gpu::clear(commands_, *to.resource.image, value, range_of(to.part));
 }
 

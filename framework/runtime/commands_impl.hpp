@@ -6,6 +6,7 @@
 #include "framework/gpu/descriptors.hpp"
 #include "framework/gpu/device.hpp"
 #include "framework/gpu/pipeline.hpp"
+#include "framework/graph/compile.hpp"
 #include "framework/runtime/bindings.hpp"
 #include "framework/runtime/commands.hpp"
 #include "framework/runtime/misuse.hpp"
@@ -14,13 +15,14 @@
 
 namespace ockham {
 
-/// What all passes of one execution record with.
+/// What the passes of one queue record with in one execution.
 struct Recording {
     gpu::Device& device;
     const Declaration& declaration;
     const Resources& resources;
     Bindings& bindings;
     gpu::DescriptorArena& descriptors;
+    const QueueFamily& family; ///< of the queue that the plan gives the pass
 };
 
 class CommandsImpl {
@@ -67,6 +69,7 @@ private:
     void expect_pipeline(const char* command) const;
     const gpu::Pipeline& compute_pipeline(const ComputeCall& call) const;
     void prepare(const gpu::Pipeline& pipeline, const ComputeCall& call);
+    void dispatch(const gpu::Pipeline& pipeline, const ComputeCall& call, glm::uvec3 groups);
     void bind_descriptors(const gpu::Pipeline& pipeline, VkPipelineBindPoint point);
     VkDescriptorBufferInfo buffer_info(const Use& use) const;
     VkDescriptorImageInfo image_info(const gpu::ShaderBinding& binding, const Use& use) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The runtime's errors: a stable code, graph, pass and resource with the places of their
-// declaration. docs/graph.md lists the codes. For the files of framework/runtime only.
+// declaration. docs/runtime.md lists the codes. For the files of framework/runtime only.
 #pragma once
 
 #include "framework/core/error.hpp"

@@ -3,6 +3,7 @@
 // Decides nothing; which step goes where, and timing, are the executor's business.
 #pragma once
 
+#include "framework/graph/compile.hpp"
 #include "framework/graph/graph.hpp"
 #include "framework/graph/plan.hpp"
 #include "framework/runtime/bindings.hpp"
@@ -29,9 +30,9 @@ public:
     Recorder(gpu::Device& device, const Graph& graph, const Plan& plan, const Resources& resources,
         RecordPolicy policy);
 
-    /// One step: `skip` leaves out the pass and keeps its barriers.
-    void record(
-        VkCommandBuffer commands, gpu::DescriptorArena& descriptors, std::uint32_t step, bool skip);
+    /// One step, on a queue of `family`: `skip` leaves out the pass and keeps its barriers.
+    void record(VkCommandBuffer commands, gpu::DescriptorArena& descriptors,
+        const QueueFamily& family, std::uint32_t step, bool skip);
     /// The barriers after the last step.
     void record_exit(VkCommandBuffer commands) const;
 
@@ -40,7 +41,8 @@ public:
 
 private:
     void record_barriers(VkCommandBuffer commands, std::span<const Barrier> barriers) const;
-    void record_pass(VkCommandBuffer commands, gpu::DescriptorArena& descriptors, PassId pass);
+    void record_pass(VkCommandBuffer commands, gpu::DescriptorArena& descriptors,
+        const QueueFamily& family, PassId pass);
 
     gpu::Device& device_;
     const Graph& graph_;

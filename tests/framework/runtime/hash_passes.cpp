@@ -138,6 +138,13 @@ std::vector<HashPasses::Transfer> HashPasses::transfers(PassId pass) const {
     return all;
 }
 
+bool HashPasses::clears_images(PassId pass) const {
+    return std::ranges::any_of(transfers(pass), [&](const Transfer& transfer) {
+        return declaration_.resources[transfer.to->resource].kind == ResourceKind::image &&
+               !transfer.from;
+    });
+}
+
 bool HashPasses::makes(PassId pass, const Use& read) const {
     const std::uint64_t bytes = part_of(declaration_, read).bytes;
     const bool image = declaration_.resources[read.resource].kind == ResourceKind::image;

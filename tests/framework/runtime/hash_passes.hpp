@@ -46,6 +46,7 @@ public:
         std::uint32_t output = 0;
     };
     std::vector<Transfer> transfers(PassId pass) const;
+    bool clears_images(PassId pass) const;
     /// Whether each declared read is really made in every execution: no guards, no copy that finds
     /// no target, no vertex or index buffer.
     bool makes_all_reads() const;

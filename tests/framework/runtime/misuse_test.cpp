@@ -304,6 +304,88 @@ TEST_F(MisuseTest, IndirectArgumentsBeyondTheBuffer) {
     expect_contains(text, {"[bad-offset]", "'bad'", "16", "24"});
 }
 
+/// A sum of offset and size would wrap around and pass.
+TEST_F(MisuseTest, IndirectArgumentsAtTheLastOffset) {
+    auto arguments = std::make_shared<BufferHandle>();
+    const std::string text = run(
+        [=](Graph& graph, PassBuilder& pass) {
+            *arguments = graph.create_persistent_buffer("arguments", {24});
+            pass.indirect(*arguments);
+            declare_numbers(graph, pass);
+        },
+        [=](Commands& commands) {
+            commands.dispatch_indirect({.shader = "test/number.comp", .push = as_push(kPush)},
+                *arguments, ~std::uint64_t{3});
+        });
+    expect_contains(text, {"[bad-offset]", "'bad'", "18446744073709551612", "24"});
+}
+
+TEST_F(MisuseTest, PartsBeyondTheResource) {
+    const auto error = [](const std::function<void(Commands&, BufferHandle, ImageHandle)>& record) {
+        Graph graph("beyond");
+        PassBuilder pass = graph.add_transfer_pass("bad");
+        const BufferHandle buffer = pass.copy_to(graph.create_buffer("kilobyte", {1024}));
+        const ImageHandle image = pass.copy_to(graph.create_image("picture",
+            {.format = VK_FORMAT_R32_SFLOAT, .width = 4, .height = 4, .layers = 2, .mips = 3}));
+        pass.side_effect("is tested");
+        pass.record([=](Commands& commands) { record(commands, buffer, image); });
+        Executor executor(device(), std::move(graph));
+        return error_of([&] { executor.execute(); });
+    };
+    const std::pair<std::uint64_t, std::uint64_t> ranges[] = {
+        {2048, kRest}, {1024, kRest}, {0, 0}, {4, ~std::uint64_t{7}}, {~std::uint64_t{3}, 8}};
+    for (const auto& [offset, bytes] : ranges) {
+        expect_contains(error([&](Commands& commands, BufferHandle buffer, ImageHandle) {
+            commands.fill(buffer.range(offset, bytes), 0);
+        }),
+            {"[undeclared-part]", "'bad'", "fill()", "'kilobyte'"});
+    }
+    const std::pair<std::uint32_t, std::uint32_t> pieces[] = {
+        {5, kRestOfMips}, {3, kRestOfMips}, {0, 0}, {1, ~std::uint32_t{1}}, {~std::uint32_t{0}, 2}};
+    for (const auto& [first, count] : pieces) {
+        for (const bool mips : {true, false}) {
+            expect_contains(error([&](Commands& commands, BufferHandle, ImageHandle image) {
+                commands.clear(mips ? image.mips(first, count) : image.layers(first, count), {});
+            }),
+                {"[undeclared-part]", "'bad'", "clear()", "'picture'"});
+        }
+    }
+    EXPECT_EQ(error([](Commands& commands, BufferHandle buffer, ImageHandle image) {
+        commands.fill(buffer.range(512, kRest), 0);
+        commands.clear(image.mips(1, kRestOfMips), {});
+        commands.clear(image.mip(0).layers(1, kRestOfLayers), {});
+    }),
+        "");
+}
+
+TEST_F(MisuseTest, ClearsOnAQueueThatCannot) {
+    const QueueFamily main, compute{.graphics = false};
+    const QueueFamily transfer{.graphics = false, .compute = false};
+    gpu::Device core({.validation = gpu::Validation::core}); // sync knows no timelines
+    const auto clear = [&](VkFormat format, const QueueFamily& beside) {
+        Graph graph("queues");
+        // Work for the main queue, without which it would do as well.
+        graph.export_resource(
+            test::add_numbers(graph, "numbers", graph.create_buffer("other", {256}), 0), "checked");
+        PassBuilder pass = graph.add_transfer_pass("bad");
+        pass.prefer(QueueWish::transfer);
+        const ImageHandle image = pass.copy_to(
+            graph.create_image("picture", {.format = format, .width = 4, .height = 4}));
+        pass.record([=](Commands& commands) { commands.clear(image, {}); });
+        graph.export_resource(image, "checked");
+        Executor executor(
+            core, std::move(graph), Policy{}, {.pretended_families = {QueueFamily{}, beside}});
+        return error_of([&] { executor.execute(); });
+    };
+    expect_contains(clear(VK_FORMAT_R32_SFLOAT, transfer),
+        {"[wrong-queue]", "'bad' (misuse_test.cpp:", "clear()", "'picture'", "compute"});
+    expect_contains(
+        clear(VK_FORMAT_D32_SFLOAT, transfer), {"[wrong-queue]", "'picture'", "graphics"});
+    EXPECT_EQ(clear(VK_FORMAT_R32_SFLOAT, compute), "");
+    EXPECT_EQ(clear(VK_FORMAT_D32_SFLOAT, main), "");
+    EXPECT_EQ(core.validation_messages(), std::vector<std::string>{});
+}
+
 TEST_F(MisuseTest, Draws) {
     const auto draw = [](const std::function<void(Commands&, BufferHandle)>& record) {
         Graph graph("draws");
@@ -325,6 +407,12 @@ TEST_F(MisuseTest, Draws) {
         commands.draw_indexed(4, 1, 0, 0, 0);
     });
     expect_contains(text, {"[bad-indices]", "'bad'", "0 to 4", "3 are bound"});
+    expect_contains(draw([](Commands& commands, BufferHandle indices) {
+        commands.bind({.vertex_shader = "test/full.vert", .depth_test = false});
+        commands.bind_indices(indices.range(16, kRest));
+        commands.draw_indexed(3, 1, 0, 0, 0);
+    }),
+        {"[undeclared-part]", "'bad'", "bind_indices()", "'indices'"});
 }
 
 TEST_F(MisuseTest, Copies) {

@@ -54,6 +54,11 @@ struct RandomProgram {
             ++pass;
         };
         graph = std::move(RandomDeclaration(seed, options, capabilities).graph());
+        const HashPasses wished(graph.declaration());
+        for (PassId pass = 0; pass < wished.declaration().passes.size(); ++pass) {
+            if (wished.clears_images(pass)) // which queues beside the main one need not be able to
+                graph.declaration().passes[pass].queue = QueueWish::main;
+        }
         shared->passes.emplace(graph.declaration());
     }
     const HashPasses& passes() const { return *shared->passes; }
