@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -65,6 +66,39 @@ std::vector<fs::path> documents() {
     return all;
 }
 
+/// What GitHub makes of a heading: lower case, dashes for spaces, no punctuation.
+std::string slug_of(const std::string& heading) {
+    std::string slug;
+    for (const char c : heading) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (c == ' ')
+            slug += '-';
+        else if (c == '-' || c == '_' || std::isalnum(byte) || byte >= 0x80)
+            slug += static_cast<char>(std::tolower(byte));
+    }
+    return slug;
+}
+
+/// The anchors of a document's headings; equal ones are numbered.
+std::set<std::string> anchors_of(const fs::path& document) {
+    std::set<std::string> anchors;
+    bool code = false;
+    for (const std::string& line : read_lines(document)) {
+        if (line.starts_with("```")) code = !code;
+        const std::size_t level = line.find_first_not_of('#');
+        if (code || level == 0 || level == std::string::npos || line[level] != ' ') continue;
+        const std::string slug = slug_of(line.substr(level + 1));
+        std::string anchor = slug;
+        for (int n = 1; !anchors.insert(anchor).second; ++n) anchor = fmt::format("{}-{}", slug, n);
+    }
+    return anchors;
+}
+
+TEST(Snippets, AnchorsAreThoseOfGitHub) {
+    EXPECT_EQ(slug_of("Plan files (`.json`), versions 1-2"), "plan-files-json-versions-1-2");
+    EXPECT_TRUE(anchors_of(kRoot / "docs/runtime.md").contains("one-execution"));
+}
+
 TEST(Snippets, AreRegionsOfCompiledFiles) {
     const std::set<std::string> languages{"cpp", "glsl", "cmake"};
     const std::string before = "<!-- snippet: ", after = " -->";
@@ -94,7 +128,7 @@ TEST(Snippets, AreRegionsOfCompiledFiles) {
     EXPECT_GT(count, 10u);
 }
 
-/// Links between documents, and to files of the tree, lead somewhere.
+/// Links between documents, to their headings, and to files of the tree lead somewhere.
 TEST(Snippets, LinksOfDocumentsExist) {
     for (const fs::path& document : documents()) {
         bool code = false;
@@ -103,9 +137,14 @@ TEST(Snippets, LinksOfDocumentsExist) {
             for (std::size_t at = code ? std::string::npos : line.find("](");
                  at != std::string::npos; at = line.find("](", at + 1)) {
                 const std::string link = line.substr(at + 2, line.find(')', at) - at - 2);
-                if (link.starts_with("http") || link.starts_with("#")) continue;
-                const fs::path target = document.parent_path() / link.substr(0, link.find('#'));
+                if (link.starts_with("http")) continue;
+                const std::size_t hash = link.find('#');
+                const fs::path target =
+                    hash == 0 ? document : document.parent_path() / link.substr(0, hash);
                 EXPECT_TRUE(fs::exists(target)) << document << " links to " << link;
+                if (hash == std::string::npos || target.extension() != ".md") continue;
+                EXPECT_TRUE(anchors_of(target).contains(link.substr(hash + 1)))
+                    << document << " links to " << link << ", and no heading is called that";
             }
         }
     }
