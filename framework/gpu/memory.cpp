@@ -106,7 +106,7 @@ MemoryBlock& Allocator::add_block(
     if (use != MemoryUse::device) {
         void* mapped = nullptr;
         const VkResult result = vkMapMemory(device_, block->memory, 0, VK_WHOLE_SIZE, 0, &mapped);
-        if (result != VK_SUCCESS) free(block->memory);
+        if (result != VK_SUCCESS) free(*block);
         expect(result, fmt::format("mapping {:.1f} MiB for '{}'", mib(bytes), name));
         block->mapped = static_cast<std::byte*>(mapped);
     }
@@ -163,11 +163,12 @@ Memory Allocator::allocate(
     return result;
 }
 
-void Allocator::free(VkDeviceMemory memory) const {
+void Allocator::free(const MemoryBlock& block) const {
     if (hook_.free) {
-        hook_.free(memory);
+        if (block.mapped) vkUnmapMemory(device_, block.memory);
+        hook_.free(block.memory);
     } else {
-        vkFreeMemory(device_, memory, nullptr);
+        vkFreeMemory(device_, block.memory, nullptr);
     }
 }
 
@@ -190,7 +191,7 @@ void Allocator::release(Memory& memory) {
     bytes_used_ -= memory.bytes_;
     if (block.free.size() == 1 && block.free.begin()->second == block.bytes) {
         bytes_reserved_ -= block.bytes;
-        free(block.memory);
+        free(block);
         std::erase_if(blocks_, [&](const auto& other) { return other.get() == &block; });
     }
     memory.allocator_ = nullptr;

@@ -21,8 +21,9 @@ namespace ockham::gpu {
 enum class MemoryUse { device, upload, readback };
 
 /// Where blocks of memory come from: an embedder's own allocator. Both or neither are set; they are
-/// called under the allocator's lock, `bytes` being 64 MiB or the size of something larger than
-/// half of that.
+/// called under the allocator's lock, for 64 MiB or the size of something larger than half of that.
+/// Each block is a VkDeviceMemory of its own and is given unmapped: Ockham maps what the host uses,
+/// and gives it back unmapped.
 struct MemoryHook {
     std::function<VkResult(const VkMemoryAllocateInfo& info, VkDeviceMemory& memory)> allocate = {};
     std::function<void(VkDeviceMemory memory)> free = {};
@@ -75,7 +76,7 @@ public:
 private:
     friend class Memory;
     void release(Memory& memory);
-    void free(VkDeviceMemory memory) const;
+    void free(const MemoryBlock& block) const;
     std::uint32_t memory_type(std::uint32_t bits, MemoryUse use, std::string_view name) const;
     MemoryBlock& add_block(
         std::uint32_t type, MemoryUse use, std::uint64_t bytes, std::string_view name);

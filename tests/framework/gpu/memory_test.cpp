@@ -91,6 +91,34 @@ TEST_F(MemoryTest, HostMemoryIsMapped) {
     EXPECT_EQ(upload.mapped()[63], std::byte{7});
 }
 
+TEST_F(MemoryTest, AHookGetsItsMemoryBackUnmapped) {
+    const VkDevice vk = device().handle();
+    int returned = 0;
+    const MemoryHook hook{.allocate =
+                              [=](const VkMemoryAllocateInfo& info, VkDeviceMemory& memory) {
+                                  return vkAllocateMemory(vk, &info, nullptr, &memory);
+                              },
+        .free =
+            [&](VkDeviceMemory memory) {
+                // Validation objects where it is mapped already.
+                void* mapped = nullptr;
+                if (returned == 0) {
+                    EXPECT_EQ(vkMapMemory(vk, memory, 0, VK_WHOLE_SIZE, 0, &mapped), VK_SUCCESS);
+                    vkUnmapMemory(vk, memory);
+                }
+                vkFreeMemory(vk, memory, nullptr);
+                ++returned;
+            }};
+    Allocator allocator(device().physical(), vk, 0, hook);
+    {
+        const Memory upload = allocator.allocate({64, 16, kAnyType}, MemoryUse::upload, "upload");
+        EXPECT_NE(upload.mapped(), nullptr);
+    }
+    EXPECT_EQ(returned, 1);
+    { const Memory local = allocator.allocate({64, 16, kAnyType}, MemoryUse::device, "local"); }
+    EXPECT_EQ(returned, 2);
+}
+
 TEST_F(MemoryTest, TheBudgetIsKeptWithNumbers) {
     Device limited({.memory_budget_bytes = std::uint64_t{8} << 20});
     const BufferInfo half{.bytes = std::uint64_t{5} << 20,
