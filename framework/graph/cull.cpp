@@ -71,6 +71,8 @@ private:
     }
 
     Verdict judge(PassId id) const {
+        if (contradicts(declaration_.passes[id].guard))
+            return {true, Verdict::Cause::contradiction, kNone, kNone, kNone};
         Verdict verdict{true, Verdict::Cause::writes_nothing, kNone, kNone, kNone};
         for (const Use& use : declaration_.uses_of(id)) {
             if (!writes(use.access)) continue;
@@ -87,6 +89,18 @@ private:
         if (!declaration_.passes[id].side_effect.empty())
             return {false, Verdict::Cause::side_effect, kNone, kNone, kNone};
         return verdict;
+    }
+
+    /// Whether a guard wants both answers to one question.
+    bool contradicts(GuardId guard) const {
+        for (; guard != kNone; guard = declaration_.guards[guard].parent) {
+            const Guard& inner = declaration_.guards[guard];
+            for (GuardId id = inner.parent; id != kNone; id = declaration_.guards[id].parent) {
+                const Guard& outer = declaration_.guards[id];
+                if (outer.condition == inner.condition && outer.wanted != inner.wanted) return true;
+            }
+        }
+        return false;
     }
 
     /// Steps back over a pass: demands after it become demands before it. What it replaces first,

@@ -37,6 +37,8 @@ std::string indifference(
 }
 
 std::string culled_reason(const Declaration& declaration, const Plan& plan, PassId pass) {
+    if (plan.passes[pass].cause == Cause::contradiction)
+        return "culled: its conditions contradict each other";
     std::string text;
     for (const Use& use : declaration.uses_of(pass)) {
         if (!writes(use.access)) continue;

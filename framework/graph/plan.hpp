@@ -127,6 +127,7 @@ struct Verdict {
         overwritten, ///< `pass` replaces `resource` before anything reads it
         unread_too,  ///< only `pass`, culled too, reads `resource`
         writes_nothing,
+        contradiction, ///< its guard is never fulfilled
         unused, ///< a resource: no live pass uses it
     };
     bool culled = false;

@@ -253,6 +253,7 @@ void check_culling(
     const Declaration& declaration, const Plan& plan, const Grids& grids, Report& report) {
     // Whether the content of a piece is wanted after the point reached, walking back. `at_end`
     // grows with what histories pass on, until nothing is added: the least fixpoint.
+    const Guards guards(declaration);
     std::vector<std::uint8_t> at_end(grids.pieces(), 0), wanted;
     std::vector<std::uint8_t> needed(declaration.passes.size(), 0);
     for (std::uint32_t piece = 0; piece < at_end.size(); ++piece) {
@@ -281,7 +282,7 @@ void check_culling(
                 live = true;
                 why = use.resource;
             });
-            if (!live) continue;
+            if (!live || guards.exclude(pass.guard, pass.guard)) continue;
             needed[id] = 1;
             if (plan.passes[id].culled)
                 say(report, Kind::culling, why, kNone, id, "{} is culled, but {}", report.pass(id),

@@ -223,7 +223,8 @@ TEST(Cull, HistoriesLiveWhereAnOlderContentIsRead) {
     graph = make(0, true);
     plan = compile(graph.declaration());
     EXPECT_EQ(order_line(graph.declaration(), plan), "next look");
-    EXPECT_EQ(verdict(graph, plan, "h"), "kept: used from 'next' to 'look'; newest of 3 kept contents");
+    EXPECT_EQ(
+        verdict(graph, plan, "h"), "kept: used from 'next' to 'look'; newest of 3 kept contents");
     EXPECT_EQ(verdict(graph, plan, "h@-1"), "culled: no live pass uses it");
 
     // A ring that feeds only itself is dead.
@@ -243,6 +244,22 @@ TEST(Cull, AccumulatingIntoAHistoryReadsItsOldestContent) {
     const Plan plan = compile(graph.declaration());
     EXPECT_EQ(order_line(graph.declaration(), plan), "add");
     EXPECT_FALSE(plan.resources[history.previous[0].resource].culled);
+}
+
+TEST(Cull, PassesThatNoAnswersLetRunAreCulled) {
+    Graph graph("g");
+    const Condition foggy = graph.add_condition("foggy");
+    BufferHandle a = graph.create_persistent_buffer("a", {4});
+    const auto outer = graph.unless(foggy);
+    auto clear = graph.add_compute_pass("clear");
+    a = clear.read_write("a", a);
+    const auto inner = graph.when(foggy);
+    auto never = graph.add_compute_pass("never");
+    a = never.read_write("a", a);
+    const Plan plan = compile(graph.declaration());
+    EXPECT_EQ(order_line(graph.declaration(), plan), "clear");
+    EXPECT_EQ(verdict(graph, plan, "never"),
+        "culled: its conditions contradict each other; unless 'foggy' and where 'foggy'");
 }
 
 } // namespace
