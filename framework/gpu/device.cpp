@@ -24,7 +24,7 @@ std::filesystem::path default_cache_dir() {
     return {}; // nowhere to keep it
 }
 
-Limits read_limits(VkPhysicalDevice physical, std::uint32_t timestamp_bits, bool push_descriptors) {
+Limits read_limits(VkPhysicalDevice physical, bool push_descriptors) {
     VkPhysicalDevicePushDescriptorPropertiesKHR push{
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PUSH_DESCRIPTOR_PROPERTIES_KHR};
     VkPhysicalDeviceVulkan13Properties v13{
@@ -50,7 +50,6 @@ Limits read_limits(VkPhysicalDevice physical, std::uint32_t timestamp_bits, bool
         .push_descriptors = push_descriptors ? push.maxPushDescriptors : 0,
         .buffer_image_granularity = std::max<std::uint64_t>(l.bufferImageGranularity, 1),
         .timestamp_period_ns = static_cast<double>(l.timestampPeriod),
-        .timestamp_bits = timestamp_bits,
         .anisotropy = l.maxSamplerAnisotropy};
 }
 
@@ -76,6 +75,14 @@ DeviceInfo read_info(VkPhysicalDevice physical) {
 template <class Function>
 Function load(VkInstance instance, const char* name) {
     return reinterpret_cast<Function>(vkGetInstanceProcAddr(instance, name));
+}
+
+/// What keeps descriptors from being pushed, whatever the device can do.
+bool forces_descriptor_sets(const DeviceOptions& options) {
+    const char* force = std::getenv("OCKHAM_FORCE_DESCRIPTOR_SETS");
+    // Instrumented shaders take pushed descriptors for uninitialised ones (layer 1.3.239).
+    return options.force_descriptor_sets || options.validation == Validation::gpu ||
+           (force && std::strcmp(force, "1") == 0);
 }
 
 /// What the device says it has; some software drivers do not enforce it themselves.
@@ -155,11 +162,7 @@ void Device::create(VkPhysicalDevice physical) {
     families_ = list_families(physical);
     queue_family_ = find_queue_family(families_).value();
 
-    const char* force = std::getenv("OCKHAM_FORCE_DESCRIPTOR_SETS");
-    // Instrumented shaders take pushed descriptors for uninitialised ones (layer 1.3.239).
-    const bool forced = options_.force_descriptor_sets || options_.validation == Validation::gpu ||
-                        (force && std::strcmp(force, "1") == 0);
-    const bool pushes = !forced && has_push_descriptors(physical);
+    const bool pushes = !forces_descriptor_sets(options_) && has_push_descriptors(physical);
 
     Features wanted;
     choose_features(physical, wanted);
@@ -229,7 +232,7 @@ void Device::adopt(const ExternalDevice& external) {
     if (external.queue_mutex) queue_mutex_ = external.queue_mutex;
     device_ = external.device;
     if (external.debug_utils) load_debug_functions();
-    const bool pushes = !options_.force_descriptor_sets &&
+    const bool pushes = !forces_descriptor_sets(options_) &&
                         std::ranges::find(external.extensions,
                             VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME) != external.extensions.end();
     open(pushes);
@@ -238,7 +241,7 @@ void Device::adopt(const ExternalDevice& external) {
 
 /// What follows once there are a device and its queues.
 void Device::open(bool pushes) {
-    limits_ = read_limits(physical_, families_[queue_family_].timestamp_bits, pushes);
+    limits_ = read_limits(physical_, pushes);
     if (pushes) {
         push_descriptor_set_ = reinterpret_cast<PFN_vkCmdPushDescriptorSetKHR>(
             vkGetDeviceProcAddr(device_, "vkCmdPushDescriptorSetKHR"));

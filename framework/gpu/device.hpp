@@ -86,8 +86,7 @@ struct Limits {
     std::uint32_t push_descriptors = 0;    ///< 0: none
     std::uint64_t buffer_image_granularity = 1;
     double timestamp_period_ns = 1;
-    std::uint32_t timestamp_bits = 0; ///< of the main queue family
-    float anisotropy = 1;             ///< 1: none
+    float anisotropy = 1; ///< 1: none
 };
 
 class Device {

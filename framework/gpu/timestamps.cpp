@@ -32,13 +32,14 @@ void Timestamps::write(VkCommandBuffer commands, std::uint32_t index) const {
     vkCmdPipelineBarrier2(commands, &dependency);
 }
 
-std::vector<double> Timestamps::read(std::uint32_t first, std::uint32_t count) const {
+std::vector<double> Timestamps::read(
+    std::uint32_t first, std::uint32_t count, std::uint32_t family) const {
     std::vector<std::uint64_t> ticks(count);
     expect(vkGetQueryPoolResults(device_.handle(), pool_, first, count,
                ticks.size() * sizeof(ticks[0]), ticks.data(), sizeof(ticks[0]),
                VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "reading timestamps");
-    const std::uint32_t bits = device_.limits().timestamp_bits;
+    const std::uint32_t bits = device_.families()[family].timestamp_bits;
     const std::uint64_t mask = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
     // Relative to the first, so that doubles lose nothing and a wrapped counter is no jump.
     std::vector<double> nanoseconds(count);

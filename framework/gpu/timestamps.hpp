@@ -27,9 +27,9 @@ public:
     /// deferred. Not under Validation::sync, where it would hide missing barriers; times mean
     /// little there.
     void write(VkCommandBuffer commands, std::uint32_t index) const;
-    /// Nanoseconds of `count` timestamps, relative to the first of them. The submissions that wrote
-    /// them must be over.
-    std::vector<double> read(std::uint32_t first, std::uint32_t count) const;
+    /// Nanoseconds of `count` timestamps, relative to the first of them. All were written on queues
+    /// of `family`, whose counters have timestamps, and the submissions that did so must be over.
+    std::vector<double> read(std::uint32_t first, std::uint32_t count, std::uint32_t family) const;
 
 private:
     Device& device_;

@@ -312,8 +312,8 @@ private:
         const Submission& submission = plan_.submissions[index];
         std::vector<double> nanoseconds(submission.step_count + 1, 0);
         if (times_on(submission)) {
-            nanoseconds = frame.timestamps->read(
-                first_timestamp(submission, index), submission.step_count + 1);
+            nanoseconds = frame.timestamps->read(first_timestamp(submission, index),
+                submission.step_count + 1, submitter_.queue(submission.queue).family);
         }
         for (std::uint32_t i = 0; i < submission.step_count; ++i) {
             const std::uint32_t step = submission.first_step + i;

@@ -138,6 +138,34 @@ TEST_F(DeviceTest, QueuesOfFamiliesThatComputeOrCopy) {
     EXPECT_GE(families[main.family].queues, 1u);
 }
 
+TEST_F(DeviceTest, TheEnvironmentSwitchesPushDescriptorsOff) {
+    const Environment unforced("OCKHAM_FORCE_DESCRIPTOR_SETS", "0");
+    const Device own;
+    // The same device once more, as an embedder would hand it over.
+    VkPhysicalDeviceFeatures2 features{};
+    VkPhysicalDeviceVulkan12Features v12{};
+    VkPhysicalDeviceVulkan13Features v13{};
+    features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+    v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    v13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    features.pNext = &v12;
+    v12.pNext = &v13;
+    features.features.shaderStorageImageExtendedFormats = VK_TRUE;
+    v12.scalarBlockLayout = v12.timelineSemaphore = VK_TRUE;
+    v13.synchronization2 = v13.maintenance4 = VK_TRUE;
+    ExternalDevice external;
+    external.physical = own.physical();
+    external.device = own.handle();
+    external.queues.push_back({.family = own.queue_family()});
+    vkGetDeviceQueue(own.handle(), own.queue_family(), 0, &external.queues[0].handle);
+    external.features = &features;
+    if (own.pushes_descriptors()) external.extensions = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+    EXPECT_EQ(Device(external).pushes_descriptors(), own.pushes_descriptors());
+    const Environment forced("OCKHAM_FORCE_DESCRIPTOR_SETS", "1");
+    EXPECT_FALSE(Device(external).pushes_descriptors());
+    EXPECT_FALSE(Device().pushes_descriptors());
+}
+
 TEST_F(DeviceTest, ValidationReportsMistakes) {
     Device device({.validation = Validation::core});
     log::set_sink([](log::Level, std::string_view) {});
