@@ -66,13 +66,9 @@ public:
         check(options.slots > 0, "an executor needs at least one slot");
         if (kDebug || device.validation() == gpu::Validation::sync) expect_verified();
         if (options_.poison) resources_.enable_poison();
-        const std::vector<QueueFamily> planned_for = capabilities_for(device, options).families;
         std::vector<std::uint32_t> families;
         for (std::uint32_t i = 0; i < plan_.queues.size(); ++i) {
             families.push_back(submitter_.queue(i).family);
-            check(plan_.queues[i].family < planned_for.size(),
-                "a plan for other queue families than those pretended");
-            families_.push_back(planned_for[plan_.queues[i].family]);
         }
         const auto timestamps =
             static_cast<std::uint32_t>(plan_.steps.size() + plan_.submissions.size());
@@ -110,8 +106,9 @@ public:
     }
 
     void submit() {
+        expect_whole();
         resources_.expect_bound();
-        if (plan_.steps.empty()) return;
+        if (plan_.submissions.empty() && points_.empty()) return;
         Frame& frame = next_frame();
         begin_execution();
         try {
@@ -129,6 +126,7 @@ public:
             }
             submitter_.submit(frame, commands, points_);
         } catch (...) {
+            broken_ = frame.in_flight;
             abandon_execution();
             throw;
         }
@@ -137,8 +135,9 @@ public:
     }
 
     void record(VkCommandBuffer commands) {
+        expect_whole();
         resources_.expect_bound();
-        if (plan_.submissions.size() != 1) {
+        if (plan_.submissions.size() > 1) {
             fail_graph(declaration(), "several-queues",
                 "record() needs a plan of one queue, this one has {} submissions to {} queues; "
                 "plan it with Policy::async_queues = false, or call submit()",
@@ -154,8 +153,7 @@ public:
         begin_execution();
         try {
             for (std::uint32_t i = 0; i < plan_.steps.size(); ++i) {
-                recorder_.record(
-                    commands, frame.descriptors, families_.front(), i, frame.skipped[i]);
+                recorder_.record(commands, frame.descriptors, i, frame.skipped[i]);
             }
             recorder_.record_exit(commands);
         } catch (...) {
@@ -173,6 +171,15 @@ public:
         times_.clear();
         for (std::uint32_t i = 0; i < plan_.submissions.size(); ++i) add_times(*last_, i);
         last_ = nullptr;
+    }
+
+    /// Throws once an execution was submitted in part: queues are left between hand-overs, so
+    /// nobody knows what is in which state.
+    void expect_whole() const {
+        if (!broken_) return;
+        fail_device("an execution of graph '{}' failed when part of it was submitted to '{}' "
+                    "already, so its resources are in no known state; make another executor",
+            declaration().name, device_.info().name);
     }
 
     /// False where the graph needs another plan, and then nothing has changed.
@@ -207,11 +214,17 @@ public:
             fail_graph(declaration(), "unreadable", "{} of format {} and depth {} is no picture",
                 describe(resource), gpu::name_of(resource.image.format), resource.image.depth);
         }
+        const VkImageLayout layout = resources_.layout(id);
+        if (layout == VK_IMAGE_LAYOUT_UNDEFINED) {
+            fail_graph(declaration(), "not-executed",
+                "{} cannot be read: what is bound to it now has no content before execute()",
+                describe(resource));
+        }
         const gpu::Image& real = *resources_[id].image;
         const Part& part = image.part;
         return to_image(gpu::mip_extent(real.info(), part.first_mip), *format,
-            gpu::decode_texels(*format, gpu::download(device_, real, plan_.final_states[id].layout,
-                                            part.first_layer, part.first_mip)));
+            gpu::decode_texels(
+                *format, gpu::download(device_, real, layout, part.first_layer, part.first_mip)));
     }
 
     gpu::Device& device() const { return device_; }
@@ -299,8 +312,7 @@ private:
         for (std::uint32_t i = 0; i < submission.step_count; ++i) {
             const std::uint32_t step = submission.first_step + i;
             if (split && i > 0) commands = buffers.begin();
-            recorder_.record(commands, frame.descriptors, families_[submission.queue], step,
-                frame.skipped[step]);
+            recorder_.record(commands, frame.descriptors, step, frame.skipped[step]);
             if (timed) frame.timestamps->write(commands, timestamp + i + 1);
         }
         if (index + 1 < plan_.submissions.size() || plan_.exit_barrier_count == 0) return;
@@ -325,6 +337,7 @@ private:
     const ResourceDecl& readable(ResourceId id, ResourceKind kind) {
         check(id < declaration().resources.size() && declaration().resources[id].kind == kind,
             "read() of a handle that is not of this graph");
+        expect_whole();
         wait();
         const ResourceDecl& resource = declaration().resources[id];
         if (plan_.resources[id].culled) {
@@ -351,11 +364,11 @@ private:
     Resources resources_;
     Recorder recorder_;
     Submitter submitter_;
-    std::vector<QueueFamily> families_; ///< by Plan::queues, as planned for
     std::vector<std::unique_ptr<Frame>> frames_;
     std::size_t next_ = 0;        ///< frame of the next execution
     const Frame* last_ = nullptr; ///< of the last execution, until its times are read
     bool executed_ = false;
+    bool broken_ = false;             ///< an execution was submitted in part
     std::vector<ImportPoint> points_; ///< for the next execution
     std::vector<PassTime> times_;
 };
@@ -390,6 +403,7 @@ void Executor::record(VkCommandBuffer commands) { impl_->record(commands); }
 const std::vector<PassTime>& Executor::times() const { return impl_->times(); }
 
 bool Executor::update(Graph graph) {
+    impl_->expect_whole();
     if (impl_->take_recorders(graph)) return true;
     gpu::Device& device = impl_->device();
     Plan plan = make_plan(device, graph, impl_->policy(),

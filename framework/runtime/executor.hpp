@@ -48,7 +48,8 @@ struct ExecutorOptions {
 };
 
 /// Semaphores of an import's owner, for the next execution. It waits for `wait` before anything
-/// uses the import and signals `signal` once nothing does; null semaphores: neither.
+/// uses the import and signals `signal` once nothing does; null semaphores: neither. Each queue
+/// that uses the import waits, so where the plan has several, `wait` must be a timeline semaphore.
 struct ImportSync {
     gpu::TimelinePoint wait;
     gpu::TimelinePoint signal;

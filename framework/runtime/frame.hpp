@@ -58,7 +58,7 @@ struct Frame {
     std::optional<gpu::Timestamps> timestamps;
     std::vector<std::uint8_t> skipped; ///< by step: a condition left it out
     bool in_flight = false;
-    VkFence fence = VK_NULL_HANDLE;  ///< signalled at the end, if it is one submission
+    VkFence fence = VK_NULL_HANDLE;  ///< signalled at the end of one submission or none
     std::vector<std::uint64_t> ends; ///< else: values of the queues' timelines then
 };
 

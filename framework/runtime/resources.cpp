@@ -210,6 +210,7 @@ void Resources::clear_persistent() {
         if (resource.lifetime == Lifetime::persistent) fresh.push_back(placement.resource);
     }
     if (fresh.empty()) return;
+    for (const ResourceId id : fresh) layouts_[id] = plan_.final_states[id].layout;
     device_.run("clearing persistent resources", [&](VkCommandBuffer commands) {
         BarrierBatch before, after;
         for (const ResourceId id : fresh) {

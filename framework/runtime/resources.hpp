@@ -49,6 +49,8 @@ public:
     void bind(ResourceId id, const gpu::Image& image);
     /// Throws unless all imports are bound and images are in their entry layout.
     void expect_bound() const;
+    /// In which the image is now: as the last execution left it, or as it was bound since.
+    VkImageLayout layout(ResourceId id) const { return layouts_[id]; }
     /// An execution has been recorded: what comes next finds resources as it left them.
     void finish();
     /// What was written before becomes `by` executions older; 1, or -1 to take that back.
@@ -82,7 +84,7 @@ private:
     std::vector<gpu::Buffer> buffers_;
     std::vector<gpu::Image> images_;
     std::vector<Resource> resources_;                 ///< by ResourceId
-    std::vector<VkImageLayout> layouts_;              ///< by ResourceId; imports: as last left
+    std::vector<VkImageLayout> layouts_;              ///< by ResourceId; see layout()
     std::vector<Ring> rings_;                         ///< histories of which all ages exist
     std::vector<std::optional<gpu::Buffer>> poisons_; ///< by heap: all of it as a buffer
 };

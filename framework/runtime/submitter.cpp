@@ -52,17 +52,42 @@ bool Submitter::uses(const Submission& submission, ResourceId id) const {
            std::ranges::any_of(plan_.exit_barriers(), touches);
 }
 
-void Submitter::add_points(std::uint32_t index, std::span<const ImportPoint> points,
-    std::vector<gpu::TimelinePoint>& waits, std::vector<gpu::TimelinePoint>& signals) const {
-    for (const ImportPoint& point : points) {
-        // Unused imports are waited for and signalled too, so that nobody waits in vain.
-        std::uint32_t first = 0;
-        auto last = static_cast<std::uint32_t>(plan_.submissions.size() - 1);
-        while (first < last && !uses(plan_.submissions[first], point.resource)) ++first;
-        while (last > first && !uses(plan_.submissions[last], point.resource)) --last;
-        if (index == first && point.wait.semaphore) waits.push_back(point.wait);
-        if (index == last && point.signal.semaphore) signals.push_back(point.signal);
+Submitter::Users Submitter::users_of(ResourceId id) const {
+    Users users{.first = std::vector(queues_.size(), kNone),
+        .last = std::vector(queues_.size(), kNone),
+        .end = static_cast<std::uint32_t>(plan_.submissions.size() - 1)};
+    bool any = false;
+    for (std::uint32_t i = 0; i < plan_.submissions.size(); ++i) {
+        if (!uses(plan_.submissions[i], id)) continue;
+        const std::uint32_t queue = plan_.submissions[i].queue;
+        if (users.first[queue] == kNone) users.first[queue] = i;
+        users.last[queue] = users.end = i;
+        any = true;
     }
+    // Unused imports are waited for and signalled too, so that nobody waits in vain.
+    if (!any) users.first[plan_.submissions[users.end].queue] = users.end;
+    return users;
+}
+
+std::uint64_t Submitter::value_of(std::uint32_t index) const {
+    const std::uint32_t queue = plan_.submissions[index].queue;
+    const auto first = plan_.submissions.begin();
+    return completed_[queue] +
+           static_cast<std::uint64_t>(std::count_if(first, first + index + 1,
+               [&](const Submission& submission) { return submission.queue == queue; }));
+}
+
+void Submitter::add_points(std::uint32_t index, const ImportPoint& point, const Users& users,
+    std::vector<gpu::TimelinePoint>& waits, std::vector<gpu::TimelinePoint>& signals) const {
+    const std::uint32_t own = plan_.submissions[index].queue;
+    if (users.first[own] == index && point.wait.semaphore) waits.push_back(point.wait);
+    if (users.end != index || !point.signal.semaphore) return;
+    // Queues end in no order, so whoever signals waits for the others.
+    for (std::uint32_t queue = 0; queue < queues_.size(); ++queue) {
+        const std::uint32_t last = users.last[queue];
+        if (queue != own && last != kNone) waits.push_back({timelines_[queue], value_of(last)});
+    }
+    signals.push_back(point.signal);
 }
 
 /// What the plan lists and, for the first submission of a queue, the end of the past executions on
@@ -82,12 +107,16 @@ void Submitter::add_queue_waits(const Submission& submission, std::span<const st
 
 void Submitter::submit(Frame& frame, std::span<const std::vector<VkCommandBuffer>> commands,
     std::span<const ImportPoint> points) {
+    if (plan_.submissions.empty()) return submit_nothing(frame, points);
     std::vector<std::uint64_t> done(queues_.size(), 0);
+    std::vector<Users> users;
+    for (const ImportPoint& point : points) users.push_back(users_of(point.resource));
     frame.ends = completed_;
     for (std::uint32_t i = 0; i < plan_.submissions.size(); ++i) {
         const Submission& submission = plan_.submissions[i];
         std::vector<gpu::TimelinePoint> waits, signals;
-        add_points(i, points, waits, signals);
+        for (std::size_t k = 0; k < points.size(); ++k)
+            add_points(i, points[k], users[k], waits, signals);
         VkFence fence = VK_NULL_HANDLE;
         if (single()) {
             fence = frame.fence;
@@ -106,6 +135,22 @@ void Submitter::submit(Frame& frame, std::span<const std::vector<VkCommandBuffer
         frame.ends[submission.queue] = completed_[submission.queue] + ++done[submission.queue];
     }
     completed_ = frame.ends;
+}
+
+/// For whoever waits for the points of a plan that does nothing.
+void Submitter::submit_nothing(Frame& frame, std::span<const ImportPoint> points) {
+    std::vector<gpu::TimelinePoint> waits, signals;
+    for (const ImportPoint& point : points) {
+        if (point.wait.semaphore) waits.push_back(point.wait);
+        if (point.signal.semaphore) signals.push_back(point.signal);
+    }
+    device_.submit({.queue = queues_.front(),
+                       .commands = {},
+                       .waits = waits,
+                       .signals = signals,
+                       .fence = frame.fence},
+        declaration_.name);
+    frame.in_flight = true;
 }
 
 void Submitter::wait(Frame& frame) {

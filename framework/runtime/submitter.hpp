@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Submits the submissions of a plan: to one queue with a fence, to several with a timeline
-// semaphore each. Knows when a frame is over. For the executor only.
+// Submits the submissions of a plan: one with a fence, several with a timeline semaphore for each
+// queue. Knows when a frame is over. For the executor only.
 #pragma once
 
 #include "framework/gpu/device.hpp"
@@ -37,10 +37,20 @@ public:
     void wait(Frame& frame);
 
 private:
-    bool single() const { return plan_.submissions.size() == 1; }
+    /// Submissions that use an import; kNone where a queue has none.
+    struct Users {
+        std::vector<std::uint32_t> first; ///< by queue of the plan
+        std::vector<std::uint32_t> last;  ///< by queue of the plan
+        std::uint32_t end = 0;            ///< last of all as submitted
+    };
+    bool single() const { return plan_.submissions.size() <= 1; }
     bool uses(const Submission& submission, ResourceId id) const;
-    void add_points(std::uint32_t submission, std::span<const ImportPoint> points,
+    Users users_of(ResourceId id) const;
+    /// What the submission makes its queue's timeline in the next execution.
+    std::uint64_t value_of(std::uint32_t submission) const;
+    void add_points(std::uint32_t submission, const ImportPoint& point, const Users& users,
         std::vector<gpu::TimelinePoint>& waits, std::vector<gpu::TimelinePoint>& signals) const;
+    void submit_nothing(Frame& frame, std::span<const ImportPoint> points);
     void add_queue_waits(const Submission& submission, std::span<const std::uint64_t> done,
         std::vector<gpu::TimelinePoint>& waits) const;
 
@@ -48,7 +58,7 @@ private:
     const Declaration& declaration_;
     const Plan& plan_;
     std::vector<gpu::QueueId> queues_;     ///< real ones, by queue of the plan
-    std::vector<VkSemaphore> timelines_;   ///< by queue of the plan; none for one submission
+    std::vector<VkSemaphore> timelines_;   ///< by queue of the plan; none where single()
     std::vector<std::uint64_t> completed_; ///< values that the past executions will reach
 };
 

@@ -413,6 +413,48 @@ TEST_F(ExecutorTest, ImportedImagesAreReadAndWritten) {
     for (const float value : result.plane(0)) ASSERT_EQ(value, 11.0f);
 }
 
+TEST_F(ExecutorTest, WhatIsBoundAnewIsReadInItsEntryLayout) {
+    constexpr std::uint32_t kSize = 4;
+    const auto make = [&](const char* name) {
+        return gpu::Image(device(),
+            {.format = VK_FORMAT_R32_SFLOAT,
+                .width = kSize,
+                .height = kSize,
+                .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                         VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                .name = name});
+    };
+    const gpu::Image first = make("first"), second = make("second"), drawn = make("drawn");
+    const std::vector<float> ones(kSize * kSize, 1.0f), twos(kSize * kSize, 2.0f);
+    gpu::Uploader uploader(device()); // leaves images in SHADER_READ_ONLY_OPTIMAL
+    uploader.add(first, 0, 0, std::as_bytes(std::span(ones)));
+    uploader.add(second, 0, 0, std::as_bytes(std::span(twos)));
+    uploader.finish();
+
+    const ImageDesc desc{.format = VK_FORMAT_R32_SFLOAT, .width = kSize, .height = kSize};
+    const AccessState sampled = state_of(Access::sampled, Stage::compute);
+    Graph graph("bound_anew");
+    const ImageHandle in =
+        graph.import_image("in", desc, sampled, state_of(Access::storage_read, Stage::compute));
+    ImageHandle out = graph.import_image("out", desc, {}, sampled);
+    out = add_shift(graph, "shift", in, out);
+    graph.export_resource(out, "checked");
+    Executor executor(device(), std::move(graph));
+    executor.bind(in, first);
+    executor.bind(out, drawn);
+    executor.execute();
+    EXPECT_EQ(executor.read(in).at(0, 0, 0), 1.0f); // in its exit layout, GENERAL
+    executor.bind(in, second);
+    EXPECT_EQ(executor.read(in).at(0, 0, 0), 2.0f);
+    executor.execute();
+    EXPECT_EQ(executor.read(in).at(0, 0, 0), 2.0f);
+    EXPECT_EQ(executor.read(out).at(0, 0, 0), 5.0f);
+    const gpu::Image fresh = make("fresh");
+    executor.bind(out, fresh); // enters without content
+    const std::string text = test::error_of([&] { (void)executor.read(out); });
+    EXPECT_NE(text.find("[not-executed]"), std::string::npos) << text;
+}
+
 struct FormatCase {
     const char* variant;
     VkFormat format;

@@ -11,8 +11,38 @@
 #include "tests/framework/runtime/small_passes.hpp"
 #include "tests/support/gpu_fixture.hpp"
 
+#include <dlfcn.h>
+
 #include <optional>
+#include <span>
 #include <thread>
+#include <vector>
+
+namespace {
+
+struct Submitted {
+    std::vector<VkSemaphoreSubmitInfo> waits, signals;
+};
+/// What was submitted with semaphores since the last clear().
+std::vector<Submitted> submitted;
+/// Which of them fails, counted from 1; 0: none.
+std::size_t failing = 0;
+
+} // namespace
+
+/// Stands before the loader's, to see submissions and to refuse one.
+VkResult vkQueueSubmit2(
+    VkQueue queue, std::uint32_t count, const VkSubmitInfo2* infos, VkFence fence) {
+    for (const VkSubmitInfo2& info : std::span(infos, count)) {
+        const std::span waits(info.pWaitSemaphoreInfos, info.waitSemaphoreInfoCount);
+        const std::span signals(info.pSignalSemaphoreInfos, info.signalSemaphoreInfoCount);
+        submitted.push_back({{waits.begin(), waits.end()}, {signals.begin(), signals.end()}});
+    }
+    if (submitted.size() == failing) return VK_ERROR_OUT_OF_HOST_MEMORY;
+    static const auto next =
+        reinterpret_cast<PFN_vkQueueSubmit2>(dlsym(RTLD_NEXT, "vkQueueSubmit2"));
+    return next(queue, count, infos, fence);
+}
 
 namespace ockham {
 namespace {
@@ -226,6 +256,111 @@ TEST_F(SemaphoreTest, ImportsWaitForTheHostAndSignalIt) {
     }
     vkDestroySemaphore(device().handle(), ready, nullptr);
     vkDestroySemaphore(device().handle(), done, nullptr);
+}
+
+TEST_F(SemaphoreTest, APlanThatDoesNothingWaitsAndSignals) {
+    const gpu::Buffer unused(
+        device(), {.bytes = 256, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, .name = "unused"});
+    const VkSemaphore ready = timeline(), done = timeline();
+    {
+        Graph graph("nothing");
+        const BufferHandle imported = graph.import_buffer("unused", {256}, {});
+        Executor executor(device(), std::move(graph), Policy{}, {.slots = 2});
+        ASSERT_TRUE(executor.plan().steps.empty());
+        for (std::uint64_t value = 1; value <= 3; ++value) {
+            executor.bind(imported, unused, {.wait = {ready, value}, .signal = {done, value}});
+            executor.submit();
+            EXPECT_EQ(wait(done, value, 1'000'000), VK_TIMEOUT);
+            signal(ready, value);
+            EXPECT_EQ(wait(done, value, 10'000'000'000), VK_SUCCESS);
+        }
+        executor.execute(); // the points were those of one execution
+    }
+    vkDestroySemaphore(device().handle(), ready, nullptr);
+    vkDestroySemaphore(device().handle(), done, nullptr);
+}
+
+TEST_F(SemaphoreTest, EachQueueWaitsForAnImportAndAllAreSignalled) {
+    const gpu::Buffer shared(device(),
+        {.bytes = 256,
+            .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+            .name = "shared",
+            .memory = gpu::MemoryUse::upload});
+    std::fill_n(reinterpret_cast<std::uint32_t*>(shared.mapped().data()), 64, 5u);
+    const VkSemaphore ready = timeline(), done = timeline();
+    {
+        // Nothing orders both readers.
+        Graph graph("both_read");
+        const BufferHandle imported = graph.import_buffer("shared", {256}, {});
+        PassBuilder pass = graph.add_compute_pass("beside");
+        pass.prefer(QueueWish::async_compute);
+        pass.read("source", imported);
+        const BufferHandle beside = pass.write("target", graph.create_buffer("b", {256}));
+        pass.record([](Commands& commands) {
+            commands.dispatch_over({.shader = "test/add_one.comp"}, {64, 1, 1});
+        });
+        const BufferHandle main = add_one(graph, "main", imported, graph.create_buffer("a", {256}));
+        graph.export_resource(main, "checked");
+        graph.export_resource(beside, "checked");
+        Executor executor(
+            device(), std::move(graph), Policy{}, {.pretended_families = {{.queues = 2}}});
+        ASSERT_EQ(executor.plan().queues.size(), 2u);
+        for (std::uint64_t value = 1; value <= 2; ++value) {
+            submitted.clear();
+            executor.bind(imported, shared, {.wait = {ready, value}, .signal = {done, value}});
+            executor.submit();
+            EXPECT_EQ(wait(done, value, 1'000'000), VK_TIMEOUT);
+            signal(ready, value);
+            EXPECT_EQ(wait(done, value, 10'000'000'000), VK_SUCCESS);
+            ASSERT_EQ(submitted.size(), 2u);
+            const auto has = [](const auto& points, const VkSemaphoreSubmitInfo& point) {
+                return std::ranges::any_of(points, [&](const VkSemaphoreSubmitInfo& other) {
+                    return other.semaphore == point.semaphore && other.value == point.value;
+                });
+            };
+            for (const Submitted& one : submitted) {
+                EXPECT_TRUE(has(one.waits, {.semaphore = ready, .value = value}));
+            }
+            EXPECT_FALSE(has(submitted[0].signals, {.semaphore = done, .value = value}));
+            EXPECT_TRUE(has(submitted[1].signals, {.semaphore = done, .value = value}));
+            EXPECT_TRUE(has(submitted[1].waits, submitted[0].signals.back()));
+        }
+        EXPECT_EQ(read_as<std::uint32_t>(executor, main)[63], 6u);
+        EXPECT_EQ(read_as<std::uint32_t>(executor, beside)[63], 6u);
+    }
+    vkDestroySemaphore(device().handle(), ready, nullptr);
+    vkDestroySemaphore(device().handle(), done, nullptr);
+}
+
+TEST_F(SemaphoreTest, WhatWasSubmittedInPartIsNotExecutedAgain) {
+    gpu::Device core({.validation = gpu::Validation::core});
+    auto step = std::make_shared<std::uint32_t>(1);
+    for (const std::size_t fails : {1, 2}) {
+        Mixed m = mixed(step);
+        Executor executor(
+            core, std::move(m.graph), Policy{}, {.pretended_families = {kMain, kCompute}});
+        executor.execute();
+        submitted.clear();
+        failing = fails;
+        std::string text = error_of([&] { executor.execute(); });
+        failing = 0;
+        EXPECT_NE(text.find("submitting 'mixed'"), std::string::npos) << text;
+        if (fails == 1) { // as if nothing had happened
+            executor.execute();
+            EXPECT_EQ(read_as<std::uint32_t>(executor, m.sums)[9], 6u);
+            continue;
+        }
+        for (int i = 0; i < 4; ++i) {
+            text = error_of([&] {
+                if (i == 0) executor.execute();
+                if (i == 1) executor.record(VK_NULL_HANDLE);
+                if (i == 2) (void)executor.read(m.sums);
+                if (i == 3) (void)executor.update(mixed(step).graph);
+            });
+            EXPECT_NE(text.find("make another executor"), std::string::npos) << text;
+        }
+    }
+    EXPECT_EQ(core.validation_messages(), std::vector<std::string>{});
 }
 
 TEST_F(SemaphoreTest, PlansOfSeveralQueuesAreNotRecorded) {
