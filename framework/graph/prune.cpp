@@ -457,12 +457,11 @@ private:
                 add_available({past.write, now, with(kLater, choice.dst)});
             }
         std::array<Time, 8 * kRow> known;
-        std::fill(known.begin(), known.begin() + width_, kNever);
         const Stages src = with(kEarlier, choice.src);
-        each(src, [&](std::uint32_t s) {
-            join(known.data(), row(queue_, s));
-            known[queue_ * kRow + s] = now;
-        });
+        const Time* const first = row(queue_, static_cast<std::uint32_t>(std::countr_zero(src)));
+        std::copy(first, first + width_, known.begin());
+        each(src & (src - 1u), [&](std::uint32_t s) { join(known.data(), row(queue_, s)); });
+        each(src, [&](std::uint32_t s) { known[queue_ * kRow + s] = now; });
         each(with(kLater, choice.dst), [&](std::uint32_t t) {
             if (!(touched_ >> t & 1))
                 std::copy(row(queue_, t), row(queue_, t) + width_, next_row(t));
