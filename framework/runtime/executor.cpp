@@ -66,9 +66,13 @@ public:
         check(options.slots > 0, "an executor needs at least one slot");
         if (kDebug || device.validation() == gpu::Validation::sync) expect_verified();
         if (options_.poison) resources_.enable_poison();
+        const std::vector<QueueFamily> planned_for = capabilities_for(device, options).families;
         std::vector<std::uint32_t> families;
         for (std::uint32_t i = 0; i < plan_.queues.size(); ++i) {
             families.push_back(submitter_.queue(i).family);
+            check(plan_.queues[i].family < planned_for.size(),
+                "a plan for other queue families than those pretended");
+            families_.push_back(planned_for[plan_.queues[i].family]);
         }
         const auto timestamps =
             static_cast<std::uint32_t>(plan_.steps.size() + plan_.submissions.size());
@@ -89,8 +93,10 @@ public:
     template <class HandleType, class Real>
     void bind(HandleType handle, const Real& real, const ImportSync& sync) {
         if constexpr (std::is_same_v<Real, gpu::Image>) {
-            wait_all(); // a framebuffer of the former image may be in use
-            recorder_.forget_targets(handle.resource);
+            // Executions before may use them until the latest of these is over, and with it all.
+            Frame& latest = *frames_[(next_ + frames_.size() - 1) % frames_.size()];
+            for (const VkFramebuffer target : recorder_.forget_targets(handle.resource))
+                latest.retired.push_back(target);
         }
         resources_.bind(handle.resource, real);
         std::erase_if(
@@ -153,7 +159,8 @@ public:
         begin_execution();
         try {
             for (std::uint32_t i = 0; i < plan_.steps.size(); ++i) {
-                recorder_.record(commands, frame.descriptors, i, frame.skipped[i]);
+                recorder_.record(
+                    commands, frame.descriptors, families_.front(), i, frame.skipped[i]);
             }
             recorder_.record_exit(commands);
         } catch (...) {
@@ -312,7 +319,8 @@ private:
         for (std::uint32_t i = 0; i < submission.step_count; ++i) {
             const std::uint32_t step = submission.first_step + i;
             if (split && i > 0) commands = buffers.begin();
-            recorder_.record(commands, frame.descriptors, step, frame.skipped[step]);
+            recorder_.record(commands, frame.descriptors, families_[submission.queue], step,
+                frame.skipped[step]);
             if (timed) frame.timestamps->write(commands, timestamp + i + 1);
         }
         if (index + 1 < plan_.submissions.size() || plan_.exit_barrier_count == 0) return;
@@ -364,6 +372,7 @@ private:
     Resources resources_;
     Recorder recorder_;
     Submitter submitter_;
+    std::vector<QueueFamily> families_; ///< by Plan::queues, as planned for
     std::vector<std::unique_ptr<Frame>> frames_;
     std::size_t next_ = 0;        ///< frame of the next execution
     const Frame* last_ = nullptr; ///< of the last execution, until its times are read
@@ -379,8 +388,9 @@ Executor::Executor(
     impl_ = std::make_unique<Impl>(device, std::move(graph), std::move(plan), policy, options);
 }
 
-Executor::Executor(gpu::Device& device, Graph graph, Plan plan, const ExecutorOptions& options)
-    : impl_(std::make_unique<Impl>(device, std::move(graph), std::move(plan), Policy{}, options)) {}
+Executor::Executor(gpu::Device& device, Graph graph, Plan plan, const ExecutorOptions& options,
+    const Policy& policy)
+    : impl_(std::make_unique<Impl>(device, std::move(graph), std::move(plan), policy, options)) {}
 
 Executor::~Executor() = default;
 Executor::Executor(Executor&&) noexcept = default;

@@ -61,16 +61,20 @@ public:
     /// Error(device) where memory or a feature is missing. `device` must outlive this object.
     Executor(gpu::Device& device, Graph graph, const Policy& policy = {},
         const ExecutorOptions& options = {});
-    /// The same with a plan from make_plan() for this graph and device, taken as it is.
-    Executor(gpu::Device& device, Graph graph, Plan plan, const ExecutorOptions& options = {});
-    /// Waits for what is in flight.
+    /// The same with a plan from make_plan() for this graph and device, taken as it is. `policy`:
+    /// by which update() plans anew; give the plan's.
+    Executor(gpu::Device& device, Graph graph, Plan plan, const ExecutorOptions& options = {},
+        const Policy& policy = {});
+    /// Waits for what is in flight. What was recorded by record() must be over; so it must before
+    /// update() with another graph and read().
     ~Executor();
     Executor(Executor&&) noexcept;
     Executor& operator=(Executor&&) noexcept;
 
     /// Binds the caller's resource to an imported handle. Must be done once before execute();
-    /// binding another one later is fine between executions. It must outlive its last execution,
-    /// and have the declared size and format and the usage that the plan asks for: Error(input).
+    /// binding another one later is fine between executions, and waits for none of them. It must
+    /// outlive its last execution, and have the declared size and format and the usage that the
+    /// plan asks for: Error(input).
     void bind(BufferHandle handle, const gpu::Buffer& buffer, const ImportSync& sync = {});
     void bind(ImageHandle handle, const gpu::Image& image, const ImportSync& sync = {});
     /// Answers a condition, for the executions from now on; `true` until then.

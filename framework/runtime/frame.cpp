@@ -66,11 +66,22 @@ Frame::Frame(
     gpu::expect(vkCreateFence(owner.handle(), &info, nullptr, &fence), "creating a fence");
 }
 
-Frame::~Frame() { vkDestroyFence(device.handle(), fence, nullptr); }
+Frame::~Frame() {
+    destroy_retired();
+    vkDestroyFence(device.handle(), fence, nullptr);
+}
+
+void Frame::destroy_retired() {
+    for (const VkFramebuffer target : retired) {
+        vkDestroyFramebuffer(device.handle(), target, nullptr);
+    }
+    retired.clear();
+}
 
 void Frame::reset() {
     for (const auto& of_queue : commands) of_queue->reset();
     descriptors.reset();
+    destroy_retired();
 }
 
 } // namespace ockham

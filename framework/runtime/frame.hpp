@@ -51,12 +51,14 @@ struct Frame {
 
     /// The execution that used it is over.
     void reset();
+    void destroy_retired();
 
     gpu::Device& device;
     std::vector<std::unique_ptr<CommandBuffers>> commands; ///< by queue of the plan
     gpu::DescriptorArena descriptors;
     std::optional<gpu::Timestamps> timestamps;
-    std::vector<std::uint8_t> skipped; ///< by step: a condition left it out
+    std::vector<VkFramebuffer> retired; ///< that this execution or one before may use
+    std::vector<std::uint8_t> skipped;  ///< by step: a condition left it out
     bool in_flight = false;
     VkFence fence = VK_NULL_HANDLE;  ///< signalled at the end of one submission or none
     std::vector<std::uint64_t> ends; ///< else: values of the queues' timelines then

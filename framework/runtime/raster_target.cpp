@@ -89,16 +89,18 @@ RasterTarget RasterTargets::create(
     return target;
 }
 
-void RasterTargets::forget(ResourceId id) {
+std::vector<VkFramebuffer> RasterTargets::forget(ResourceId id) {
+    std::vector<VkFramebuffer> forgotten;
     for (PassId pass = 0; pass < targets_.size(); ++pass) {
         for (const std::uint32_t i : attachments_of(declaration_, pass)) {
             if (declaration_.uses[i].resource != id) continue;
             for (const auto& [views, target] : targets_[pass]) {
-                vkDestroyFramebuffer(device_.handle(), target.framebuffer, nullptr);
+                forgotten.push_back(target.framebuffer);
             }
             targets_[pass].clear();
         }
     }
+    return forgotten;
 }
 
 void begin_raster(

@@ -29,8 +29,9 @@ public:
     RasterTargets& operator=(const RasterTargets&) = delete;
 
     const RasterTarget& of(PassId pass);
-    /// Destroys those that draw to the resource, whose views may be gone.
-    void forget(ResourceId id);
+    /// Lets go of those that draw to the resource, whose views may be gone. The caller destroys
+    /// them once nothing that was recorded with them is pending.
+    std::vector<VkFramebuffer> forget(ResourceId id);
 
 private:
     using Views = std::vector<VkImageView>;

@@ -11,6 +11,7 @@
 #include "framework/runtime/resources.hpp"
 
 #include <span>
+#include <vector>
 
 namespace ockham {
 
@@ -36,7 +37,8 @@ public:
     /// The barriers after the last step.
     void record_exit(VkCommandBuffer commands) const;
 
-    void forget_targets(ResourceId id) { targets_.forget(id); }
+    /// See RasterTargets::forget.
+    std::vector<VkFramebuffer> forget_targets(ResourceId id) { return targets_.forget(id); }
     std::size_t pipeline_count() const { return bindings_.pipeline_count(); }
 
 private:

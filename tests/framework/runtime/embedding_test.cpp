@@ -191,6 +191,44 @@ TEST_F(EmbeddingTest, RecordsIntoCommandBuffersOfTheCaller) {
     vkFreeMemory(host.device, memory, nullptr);
 }
 
+/// A framebuffer lives as long as what was recorded with it may be pending.
+TEST_F(EmbeddingTest, BindingLeavesAloneWhatIsPending) {
+    const auto make = [&](const char* name) {
+        return gpu::Image(device(),
+            {.format = VK_FORMAT_R32_SFLOAT,
+                .width = 4,
+                .height = 4,
+                .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                .name = name});
+    };
+    const gpu::Image images[] = {make("a"), make("b"), make("c")};
+    Graph graph("drawn");
+    const AccessState copied = state_of(Access::transfer_read, Stage::fixed);
+    const ImageHandle target = graph.import_image(
+        "target", {.format = VK_FORMAT_R32_SFLOAT, .width = 4, .height = 4}, {}, copied);
+    const ImageHandle cleared =
+        graph.add_raster_pass("clear").color(target, LoadOp::clear, {3, 0, 0, 0});
+    graph.export_resource(cleared, "checked");
+    Executor executor(device(), std::move(graph), Policy{}, {.slots = 2});
+    executor.bind(target, images[0]);
+    for (int turn = 0; turn < 6; ++turn) {
+        // Recorded, then bound, then submitted.
+        device().run("recorded", [&](VkCommandBuffer commands) {
+            executor.record(commands);
+            executor.bind(target, images[(turn + 1) % 3]);
+        });
+        const auto texels =
+            gpu::download(device(), images[turn % 3], VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        EXPECT_EQ(reinterpret_cast<const float*>(texels.data())[15], 3.0f);
+    }
+    for (int turn = 0; turn < 6; ++turn) {
+        executor.submit();
+        executor.bind(target, images[(turn + 1) % 3]);
+    }
+    executor.execute();
+    EXPECT_EQ(executor.read(target).at(3, 3, 0), 3.0f);
+}
+
 TEST_F(EmbeddingTest, TakesMemoryFromTheCaller) {
     const Host host;
     std::uint64_t taken = 0;

@@ -127,6 +127,26 @@ TEST_F(UpdateTest, AnotherDescriptionStartsFromZero) {
     EXPECT_EQ(read_as<std::uint32_t>(executor, larger_marks), std::vector<std::uint32_t>(128, 4));
 }
 
+TEST_F(UpdateTest, APlanIsFollowedByOthersOfItsPolicy) {
+    Policy tight;
+    tight.memory_budget_bytes = 4096;
+    const auto declare = [](std::uint64_t bytes) {
+        Graph graph("sized");
+        graph.export_resource(
+            add_mark(graph, "mark", graph.create_persistent_buffer("marks", {bytes}), 4), "");
+        return graph;
+    };
+    for (const bool given : {false, true}) {
+        Graph graph = declare(256);
+        Plan plan = make_plan(device(), graph, tight);
+        Executor executor(
+            device(), std::move(graph), std::move(plan), {}, given ? tight : Policy{});
+        executor.execute();
+        const std::string text = error_of([&] { (void)executor.update(declare(1 << 20)); });
+        EXPECT_EQ(text.find("budget") != std::string::npos, given) << text;
+    }
+}
+
 TEST_F(UpdateTest, AMistakeLeavesTheOldGraph) {
     Frame first = frame(1, 2);
     Executor executor(device(), std::move(first.graph));
