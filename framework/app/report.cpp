@@ -7,10 +7,10 @@
 #include "framework/core/version.hpp"
 #include "framework/gpu/device.hpp"
 #include "framework/graph/describe.hpp"
-#include "framework/graph/dump.hpp"
-#include "framework/graph/explain.hpp"
-#include "framework/graph/plan_page.hpp"
-#include "framework/graph/timeline.hpp"
+#include "framework/graph/explain/dump.hpp"
+#include "framework/graph/explain/explain.hpp"
+#include "framework/graph/explain/plan_page.hpp"
+#include "framework/graph/explain/timeline.hpp"
 #include "framework/io/image_file.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "framework/runtime/executor.hpp"
 
 #include "framework/gpu/transfer.hpp"
-#include "framework/graph/explain.hpp"
+#include "framework/graph/explain/explain.hpp"
 #include "framework/graph/verify.hpp"
 #include "framework/runtime/frame.hpp"
 #include "framework/runtime/misuse.hpp"

@@ -9,8 +9,8 @@
 #include "framework/core/log.hpp"
 #include "framework/core/timer.hpp"
 #include "framework/core/version.hpp"
-#include "framework/graph/dump.hpp"
-#include "framework/graph/explain.hpp"
+#include "framework/graph/explain/dump.hpp"
+#include "framework/graph/explain/explain.hpp"
 #include "framework/io/image_file.hpp"
 #include "passes/pipelines/adaptive_aa.hpp"
 

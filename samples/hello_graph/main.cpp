@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The smallest use of the render graph: declare two passes, compile, execute, read back, print.
 #include "framework/core/error.hpp"
-#include "framework/graph/dump.hpp"
+#include "framework/graph/explain/dump.hpp"
 #include "framework/runtime/commands.hpp"
 #include "framework/runtime/executor.hpp"
 

@@ -4,9 +4,9 @@
 // Arguments are plan files of other graphs. docs/graph_performance.md explains the figures.
 #include "framework/core/error.hpp"
 #include "framework/graph/compile.hpp"
-#include "framework/graph/explain.hpp"
+#include "framework/graph/explain/explain.hpp"
 #include "framework/graph/plan_cache.hpp"
-#include "framework/graph/plan_file.hpp"
+#include "framework/graph/explain/plan_file.hpp"
 #include "tests/framework/graph/graph_families.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 

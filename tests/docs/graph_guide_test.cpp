@@ -4,13 +4,13 @@
 #include "framework/core/error.hpp"
 // [includes]
 #include "framework/graph/compile.hpp"
-#include "framework/graph/dump.hpp"
-#include "framework/graph/explain.hpp"
+#include "framework/graph/explain/dump.hpp"
+#include "framework/graph/explain/explain.hpp"
 #include "framework/graph/graph.hpp"
 #include "framework/runtime/commands.hpp"
 // [/includes]
 
-#include "framework/graph/budget.hpp"
+#include "framework/graph/explain/budget.hpp"
 #include "framework/graph/verify.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // plan_diff as scripts meet it: exit codes, what it prints, what it writes.
 #include "framework/core/file.hpp"
-#include "framework/graph/dump.hpp"
+#include "framework/graph/explain/dump.hpp"
 #include "framework/graph/graph.hpp"
 
 #include <fmt/format.h>

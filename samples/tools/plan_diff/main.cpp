@@ -4,10 +4,10 @@
 #include "framework/core/error.hpp"
 #include "framework/core/file.hpp"
 #include "framework/core/log.hpp"
-#include "framework/graph/budget.hpp"
-#include "framework/graph/dump.hpp"
-#include "framework/graph/plan_diff.hpp"
-#include "framework/graph/plan_file.hpp"
+#include "framework/graph/explain/budget.hpp"
+#include "framework/graph/explain/dump.hpp"
+#include "framework/graph/explain/plan_diff.hpp"
+#include "framework/graph/explain/plan_file.hpp"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/core/error.hpp"
-#include "framework/graph/budget.hpp"
+#include "framework/graph/explain/budget.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 #include "tests/framework/graph/two_queues.hpp"
 

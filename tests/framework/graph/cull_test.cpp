@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "framework/graph/explain.hpp"
+#include "framework/graph/explain/explain.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "framework/graph/dump.hpp"
-#include "framework/graph/explain.hpp"
+#include "framework/graph/explain/dump.hpp"
+#include "framework/graph/explain/explain.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 #include "tests/framework/graph/two_queues.hpp"
 

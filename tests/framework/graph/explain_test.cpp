@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a plan says of itself: each kind of reason once, word for word.
-#include "framework/graph/explain.hpp"
-#include "framework/graph/timeline.hpp"
+#include "framework/graph/explain/explain.hpp"
+#include "framework/graph/explain/timeline.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 #include "tests/framework/graph/two_queues.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/core/error.hpp"
-#include "framework/graph/pack.hpp"
+#include "framework/graph/compile/pack.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/core/error.hpp"
-#include "framework/graph/plan_diff.hpp"
+#include "framework/graph/explain/plan_diff.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 #include "tests/framework/graph/two_queues.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Declarations survive a file unchanged, and no file, however made, brings the program down.
 #include "framework/core/error.hpp"
-#include "framework/graph/plan_file.hpp"
+#include "framework/graph/explain/plan_file.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "framework/graph/compile.hpp"
-#include "framework/graph/dump.hpp"
+#include "framework/graph/explain/dump.hpp"
 #include "framework/graph/graph.hpp"
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is in the page: its data, all of it once, whatever the names. How it looks is for eyes.
-#include "framework/graph/plan_page.hpp"
+#include "framework/graph/explain/plan_page.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 #include "tests/framework/graph/two_queues.hpp"

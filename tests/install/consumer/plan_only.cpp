@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plans a graph without a device and prints the plan.
 #include "framework/graph/compile.hpp"
-#include "framework/graph/dump.hpp"
+#include "framework/graph/explain/dump.hpp"
 #include "framework/graph/graph.hpp"
 
 #include <cstdio>

@@ -2,9 +2,9 @@
 // Identities of whole pictures, bit for bit: methods that must agree do, and the plan holds only
 // what the scene and the window need.
 #include "framework/core/image.hpp"
-#include "framework/graph/budget.hpp"
-#include "framework/graph/dump.hpp"
-#include "framework/graph/explain.hpp"
+#include "framework/graph/explain/budget.hpp"
+#include "framework/graph/explain/dump.hpp"
+#include "framework/graph/explain/explain.hpp"
 #include "framework/scene/builtin.hpp"
 #include "passes/pipelines/adaptive_aa.hpp"
 #include "tests/support/gpu_fixture.hpp"

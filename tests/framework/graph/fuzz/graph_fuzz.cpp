@@ -7,8 +7,8 @@
 // each kind, until N have failed), and how to repeat it. Figures: $OCKHAM_FIGURES/graph_fuzz.txt
 #include "framework/core/error.hpp"
 #include "framework/core/timer.hpp"
-#include "framework/graph/dump.hpp"
-#include "framework/graph/explain.hpp"
+#include "framework/graph/explain/dump.hpp"
+#include "framework/graph/explain/explain.hpp"
 #include "framework/graph/verify.hpp"
 #include "tests/framework/graph/fuzz/corrupt.hpp"
 #include "tests/framework/graph/random_declaration.hpp"
