@@ -9,11 +9,12 @@ include(CMakePackageConfigHelpers)
 
 # Headers for sources of their own folder only; public headers must not include them.
 set(internal_headers
-  framework/gpu/(selection|shader_compiler|workgroup_memory)
-  framework/graph/(describe|compile/[a-z_]+|verify/[a-z_]+|explain/json_reader)
-  framework/io/(gltf_[a-z]+|texture_image)
-  framework/runtime/(barriers|bindings|commands_impl|frame|misuse|raster_target|recorder|resources|submitter)
-  framework/scene/(atrium_parts|builtin_parts|builtin_textures|shapes))
+  "framework/gpu/(selection|shader_compiler|workgroup_memory)"
+  "framework/graph/(describe|compile/[a-z_]+|verify/[a-z_]+|explain/json_reader)"
+  "framework/io/(gltf_[a-z]+|texture_image)"
+  "framework/runtime/(barriers|bindings|commands_impl|frame|misuse|raster_target|recorder|resources)"
+  "framework/runtime/submitter"
+  "framework/scene/(atrium_parts|builtin_parts|builtin_textures|shapes)")
 
 # Targets and what pkg-config calls them (or a flag), where that is not their package's name in CMake.
 set(pc_names

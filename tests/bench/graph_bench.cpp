@@ -5,8 +5,8 @@
 #include "framework/core/error.hpp"
 #include "framework/graph/compile.hpp"
 #include "framework/graph/explain/explain.hpp"
-#include "framework/graph/plan_cache.hpp"
 #include "framework/graph/explain/plan_file.hpp"
+#include "framework/graph/plan_cache.hpp"
 #include "tests/framework/graph/graph_families.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 

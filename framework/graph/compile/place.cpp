@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/core/error.hpp"
-#include "framework/graph/explain/explain.hpp"
 #include "framework/graph/compile/pack.hpp"
 #include "framework/graph/compile/phases.hpp"
+#include "framework/graph/explain/explain.hpp"
 
 #include <algorithm>
 #include <optional>

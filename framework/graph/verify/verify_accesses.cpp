@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What accesses find: layout, content, owner, and that they wait for what went before.
-#include "framework/graph/verify/verify_execution.hpp"
 #include "framework/graph/explain/words.hpp"
+#include "framework/graph/verify/verify_execution.hpp"
 
 #include <fmt/format.h>
 

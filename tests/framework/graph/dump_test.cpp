@@ -169,7 +169,8 @@ TEST(Dump, JsonValues) {
 
 TEST(Dump, SeveralQueues) {
     const auto [graph, plan] = two_queues();
-    EXPECT_EQ(plan_text(graph.declaration(), plan), R"(graph 'two queues': 4 of 4 passes, 7 barriers in 4 batches, 4 submissions to 2 queues, 48.0 KiB (lower bound 48.0 KiB, ratio 1.000)
+    EXPECT_EQ(plan_text(graph.declaration(), plan),
+        R"(graph 'two queues': 4 of 4 passes, 7 barriers in 4 batches, 4 submissions to 2 queues, 48.0 KiB (lower bound 48.0 KiB, ratio 1.000)
 
 step  pass     kind     queue  barrier           resource  from      src stages    src access                  dst stages    dst access                  layout
 0     draw     raster   0      first_use         color     (before)  none          none                    ->  color_output  color_read+color_write      undefined -> color

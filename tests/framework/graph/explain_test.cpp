@@ -146,7 +146,8 @@ TEST(Explain, HistoriesTellTheirAge) {
 
 TEST(Explain, QueuesAndOwners) {
     const auto [graph, plan] = two_queues();
-    EXPECT_EQ(explain(graph.declaration(), plan), R"(graph 'two queues': 4 of 4 passes, 7 barriers in 4 batches, 4 submissions to 2 queues, 48.0 KiB (lower bound 48.0 KiB, ratio 1.000)
+    EXPECT_EQ(explain(graph.declaration(), plan),
+        R"(graph 'two queues': 4 of 4 passes, 7 barriers in 4 batches, 4 submissions to 2 queues, 48.0 KiB (lower bound 48.0 KiB, ratio 1.000)
 
 submission 0, the main queue:
 step 0: 'draw' is kept: 'light' reads its 'color'

@@ -453,7 +453,7 @@ TEST_F(RandomExecutionTest, FindsSwappedInputs) {
 }
 
 TEST_F(RandomExecutionTest, FindsIgnoredGuards) {
-    EXPECT_GE(count_found(20, {.fault = Fault::ignored_guards}), 2u);
+    EXPECT_GE(count_found(60, {.fault = Fault::ignored_guards}), 2u);
 }
 
 TEST_F(RandomExecutionTest, FindsHistoriesThatDoNotTurn) {
