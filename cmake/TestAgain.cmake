@@ -11,6 +11,8 @@ set(OCKHAM_NOT_ON_SWIFTSHADER
   ExecutorTest.PushDescriptorsAndSetsAgree
   # A barrier in a kernel costs 20 to 60 times as much there; the small maps remain.
   BucketsTest.LargeMapsAreSortedStablyByCountTileAndRow
+  # Hundreds of kernels, compiled when their pipelines are made: not done after 80 s.
+  RandomExecutionTest.* RandomExecutionNightly.*
   # Its memory is files, so that the limit which stands for a full disk ends the process.
   AdaptiveAaProgram.full_disk_is_an_error_and_leaves_nothing
   # An access out of bounds ends the process before the layer reads what was found.
