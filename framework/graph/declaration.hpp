@@ -7,9 +7,12 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <source_location>
 #include <span>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace ockham {
@@ -104,14 +107,28 @@ struct Use {
     std::uint32_t version = 0;
     std::uint32_t version_written = kNone;
     std::uint32_t part = kNone; ///< index into Declaration::parts; kNone: all of the resource
+    /// Name in the shader that this use is bound to: index into Declaration::bindings; kNone: no
+    /// shader names it.
+    std::uint32_t binding = kNone;
 };
 
-/// What only executing a use needs: kept apart, so that planning walks over small uses.
-struct UseDetail {
-    /// Name in the shader that this use is bound to; empty where no shader names it.
-    std::string binding;
-    /// Clear value of an attachment: four floats, or depth in [0].
-    std::array<float, 4> clear{};
+/// Clear value of an attachment: four floats, or depth in [0].
+using ClearValue = std::array<float, 4>;
+
+/// Texts, each kept once and told from others by its index.
+class Names {
+public:
+    /// Index of the text, which is new or was added before.
+    std::uint32_t add(std::string_view text);
+    const std::string& operator[](std::uint32_t index) const { return texts_[index]; }
+    std::size_t size() const { return texts_.size(); }
+
+private:
+    struct Hash : std::hash<std::string_view> {
+        using is_transparent = void;
+    };
+    std::vector<std::string> texts_;
+    std::unordered_map<std::string, std::uint32_t, Hash, std::equal_to<>> index_;
 };
 
 /// Whether the pass depends on the content before it; an attachment does only when loaded.
@@ -177,8 +194,9 @@ struct Declaration {
     std::vector<PassDecl> passes;
     std::vector<ResourceDecl> resources;
     std::vector<Use> uses;
-    std::vector<UseDetail> details; ///< one per use
+    std::vector<ClearValue> clears; ///< one per use, of those that clear
     std::vector<Part> parts;        ///< of the uses that name one
+    Names bindings;                 ///< what shaders call what the uses bind
     std::vector<ConditionDecl> conditions;
     std::vector<Guard> guards;
     std::vector<Omission> omissions;
@@ -187,9 +205,13 @@ struct Declaration {
     std::span<const Use> uses_of(PassId pass) const {
         return {uses.data() + passes[pass].first_use, passes[pass].use_count};
     }
+    /// Empty where no shader names it.
+    std::string_view binding_of(const Use& use) const {
+        return use.binding == kNone ? std::string_view{} : bindings[use.binding];
+    }
     /// `use` must be an element of `uses`.
-    const UseDetail& detail_of(const Use& use) const {
-        return details[static_cast<std::size_t>(&use - uses.data())];
+    const ClearValue& clear_of(const Use& use) const {
+        return clears[static_cast<std::size_t>(&use - uses.data())];
     }
 };
 

@@ -83,12 +83,12 @@ void mix(Fingerprint& fingerprint, const ResourceDecl& resource) {
         fingerprint.mix(std::uint64_t{resource.history_depth} << 32 | resource.history_age);
 }
 
-void mix(Fingerprint& fingerprint, const Use& use, const UseDetail& detail, const Part& part) {
+void mix(Fingerprint& fingerprint, const Use& use, std::string_view binding, const Part& part) {
     mix(fingerprint, Said::use, use.resource,
         std::uint64_t{use.part != kNone} << 32 | static_cast<std::uint64_t>(use.access) << 24 |
             static_cast<std::uint64_t>(use.stage) << 16 |
             static_cast<std::uint64_t>(use.load) << 8 | static_cast<std::uint64_t>(use.filter));
-    fingerprint.mix(detail.binding);
+    fingerprint.mix(binding);
     if (use.part == kNone) return;
     fingerprint.mix(part.offset);
     fingerprint.mix(part.bytes);
@@ -98,27 +98,25 @@ void mix(Fingerprint& fingerprint, const Use& use, const UseDetail& detail, cons
 
 } // namespace
 
-PassBuilder& PassBuilder::sample(std::string binding, ImagePart image, Stage stage, Filter filter) {
-    graph_->use(pass_, image, {.access = Access::sampled, .stage = stage, .filter = filter},
-        {.binding = std::move(binding)});
+PassBuilder& PassBuilder::sample(
+    std::string_view binding, ImagePart image, Stage stage, Filter filter) {
+    graph_->use(
+        pass_, image, {.access = Access::sampled, .stage = stage, .filter = filter}, binding);
     return *this;
 }
 
-PassBuilder& PassBuilder::read(std::string binding, BufferPart buffer, Stage stage) {
-    graph_->use(pass_, buffer, {.access = Access::storage_read, .stage = stage},
-        {.binding = std::move(binding)});
+PassBuilder& PassBuilder::read(std::string_view binding, BufferPart buffer, Stage stage) {
+    graph_->use(pass_, buffer, {.access = Access::storage_read, .stage = stage}, binding);
     return *this;
 }
 
-PassBuilder& PassBuilder::read(std::string binding, ImagePart image, Stage stage) {
-    graph_->use(pass_, image, {.access = Access::storage_read, .stage = stage},
-        {.binding = std::move(binding)});
+PassBuilder& PassBuilder::read(std::string_view binding, ImagePart image, Stage stage) {
+    graph_->use(pass_, image, {.access = Access::storage_read, .stage = stage}, binding);
     return *this;
 }
 
-PassBuilder& PassBuilder::uniform(std::string binding, BufferPart buffer, Stage stage) {
-    graph_->use(pass_, buffer, {.access = Access::uniform, .stage = stage},
-        {.binding = std::move(binding)});
+PassBuilder& PassBuilder::uniform(std::string_view binding, BufferPart buffer, Stage stage) {
+    graph_->use(pass_, buffer, {.access = Access::uniform, .stage = stage}, binding);
     return *this;
 }
 
@@ -147,24 +145,22 @@ PassBuilder& PassBuilder::copy_from(ImagePart image) {
     return *this;
 }
 
-BufferHandle PassBuilder::write(std::string binding, BufferPart buffer, Stage stage) {
-    return graph_->use(pass_, buffer, {.access = Access::storage_write, .stage = stage},
-        {.binding = std::move(binding)});
+BufferHandle PassBuilder::write(std::string_view binding, BufferPart buffer, Stage stage) {
+    return graph_->use(pass_, buffer, {.access = Access::storage_write, .stage = stage}, binding);
 }
 
-ImageHandle PassBuilder::write(std::string binding, ImagePart image, Stage stage) {
-    return graph_->use(pass_, image, {.access = Access::storage_write, .stage = stage},
-        {.binding = std::move(binding)});
+ImageHandle PassBuilder::write(std::string_view binding, ImagePart image, Stage stage) {
+    return graph_->use(pass_, image, {.access = Access::storage_write, .stage = stage}, binding);
 }
 
-BufferHandle PassBuilder::read_write(std::string binding, BufferPart buffer, Stage stage) {
-    return graph_->use(pass_, buffer, {.access = Access::storage_read_write, .stage = stage},
-        {.binding = std::move(binding)});
+BufferHandle PassBuilder::read_write(std::string_view binding, BufferPart buffer, Stage stage) {
+    return graph_->use(
+        pass_, buffer, {.access = Access::storage_read_write, .stage = stage}, binding);
 }
 
-ImageHandle PassBuilder::read_write(std::string binding, ImagePart image, Stage stage) {
-    return graph_->use(pass_, image, {.access = Access::storage_read_write, .stage = stage},
-        {.binding = std::move(binding)});
+ImageHandle PassBuilder::read_write(std::string_view binding, ImagePart image, Stage stage) {
+    return graph_->use(
+        pass_, image, {.access = Access::storage_read_write, .stage = stage}, binding);
 }
 
 BufferHandle PassBuilder::copy_to(BufferPart buffer) {
@@ -176,15 +172,14 @@ ImageHandle PassBuilder::copy_to(ImagePart image) {
 }
 
 ImageHandle PassBuilder::color(ImagePart image, LoadOp load, const std::array<float, 4>& clear) {
-    return graph_->use(
-        pass_, image, attachment(Access::color_attachment, load), {.binding = {}, .clear = clear});
+    return graph_->use(pass_, image, attachment(Access::color_attachment, load), {}, clear);
 }
 
 ImageHandle PassBuilder::color(ImagePart image, LoadOp load) { return color(image, load, {}); }
 
 ImageHandle PassBuilder::depth(ImagePart image, float clear_value) {
-    return graph_->use(pass_, image, attachment(Access::depth_attachment, LoadOp::clear),
-        {.binding = {}, .clear = {clear_value, 0, 0, 0}});
+    return graph_->use(pass_, image, attachment(Access::depth_attachment, LoadOp::clear), {},
+        {clear_value, 0, 0, 0});
 }
 
 PassBuilder& PassBuilder::prefer(QueueWish queue) {
@@ -409,7 +404,8 @@ void Graph::refuse_second_writer(PassId pass, ResourceId resource, std::uint32_t
 }
 
 template <ResourceKind Kind>
-Handle<Kind> Graph::use(PassId pass, const PartOf<Kind>& target, Use use, UseDetail detail) {
+Handle<Kind> Graph::use(PassId pass, const PartOf<Kind>& target, Use use, std::string_view binding,
+    const ClearValue& clear) {
     const auto [resource, version] = target.handle;
     PassDecl& user = declaration_.passes[pass];
     if (!is_newest(resource, version)) {
@@ -434,10 +430,11 @@ Handle<Kind> Graph::use(PassId pass, const PartOf<Kind>& target, Use use, UseDet
         use.part = static_cast<std::uint32_t>(declaration_.parts.size());
         declaration_.parts.push_back(target.part);
     }
-    mix(fingerprint_, use, detail, target.part);
+    if (!binding.empty()) use.binding = declaration_.bindings.add(binding);
+    mix(fingerprint_, use, binding, target.part);
     ++user.use_count;
     declaration_.uses.push_back(use);
-    declaration_.details.push_back(std::move(detail));
+    declaration_.clears.push_back(clear);
     return {resource, versions_[resource]};
 }
 

@@ -81,11 +81,11 @@ struct Condition {
 class PassBuilder {
 public:
     /// Reads. The content must have been written before, by a pass or from outside.
-    PassBuilder& sample(std::string binding, ImagePart image, Stage stage = Stage::compute,
+    PassBuilder& sample(std::string_view binding, ImagePart image, Stage stage = Stage::compute,
         Filter filter = Filter::texel);
-    PassBuilder& read(std::string binding, BufferPart buffer, Stage stage = Stage::compute);
-    PassBuilder& read(std::string binding, ImagePart image, Stage stage = Stage::compute);
-    PassBuilder& uniform(std::string binding, BufferPart buffer, Stage stage = Stage::compute);
+    PassBuilder& read(std::string_view binding, BufferPart buffer, Stage stage = Stage::compute);
+    PassBuilder& read(std::string_view binding, ImagePart image, Stage stage = Stage::compute);
+    PassBuilder& uniform(std::string_view binding, BufferPart buffer, Stage stage = Stage::compute);
     PassBuilder& indirect(BufferPart arguments);
     PassBuilder& vertices(BufferPart buffer);
     PassBuilder& indices(BufferPart buffer);
@@ -93,11 +93,13 @@ public:
     PassBuilder& copy_from(ImagePart image);
 
     /// Writes everything anew: earlier content is lost, and its producers may be culled.
-    [[nodiscard]] BufferHandle write(std::string binding, BufferPart, Stage = Stage::compute);
-    [[nodiscard]] ImageHandle write(std::string binding, ImagePart, Stage = Stage::compute);
+    [[nodiscard]] BufferHandle write(std::string_view binding, BufferPart, Stage = Stage::compute);
+    [[nodiscard]] ImageHandle write(std::string_view binding, ImagePart, Stage = Stage::compute);
     /// Changes part of the content or accumulates onto it.
-    [[nodiscard]] BufferHandle read_write(std::string binding, BufferPart, Stage = Stage::compute);
-    [[nodiscard]] ImageHandle read_write(std::string binding, ImagePart, Stage = Stage::compute);
+    [[nodiscard]] BufferHandle read_write(
+        std::string_view binding, BufferPart, Stage = Stage::compute);
+    [[nodiscard]] ImageHandle read_write(
+        std::string_view binding, ImagePart, Stage = Stage::compute);
     /// Destination of a copy, fill or clear. What it does not cover keeps its content.
     [[nodiscard]] BufferHandle copy_to(BufferPart buffer);
     [[nodiscard]] ImageHandle copy_to(ImagePart image);
@@ -214,7 +216,8 @@ private:
     void refuse_second_writer(PassId pass, ResourceId resource, std::uint32_t version);
     /// Adds a use; returns the version that it leaves.
     template <ResourceKind Kind>
-    Handle<Kind> use(PassId pass, const PartOf<Kind>& target, Use use, UseDetail detail = {});
+    Handle<Kind> use(PassId pass, const PartOf<Kind>& target, Use use,
+        std::string_view binding = {}, const ClearValue& clear = {});
     void add_export(ResourceId resource, std::uint32_t version, std::string why);
     void misuse(const char* code, std::string text);
 

@@ -106,7 +106,7 @@ std::uint32_t Bindings::find(PassId pass, const Slot& slot) const {
     const PassDecl& decl = declaration_.passes[pass];
     std::vector<std::string_view> declared;
     for (std::uint32_t i = decl.first_use; i < decl.first_use + decl.use_count; ++i) {
-        const std::string& name = declaration_.details[i].binding;
+        const std::string_view name = declaration_.binding_of(declaration_.uses[i]);
         if (name == slot.binding.name) return i;
         if (!name.empty()) declared.push_back(name);
     }

@@ -108,7 +108,7 @@ void begin_raster(
     std::vector<VkClearValue> clears;
     for (std::size_t i = 0; i < target.uses.size(); ++i) {
         clears.push_back(gpu::clear_value(
-            target.attachments[i].format, declaration.details[target.uses[i]].clear));
+            target.attachments[i].format, declaration.clears[target.uses[i]]));
     }
     const VkRenderPassBeginInfo begin{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
         .renderPass = target.render_pass,

@@ -61,20 +61,22 @@ class PassChecker {
 public:
     PassChecker(const Declaration& declaration, const Capabilities& capabilities)
         : declaration_(declaration), max_extent_(capabilities.max_attachment_extent),
-          last_use_(declaration.resources.size(), kNone) {}
+          last_use_(declaration.resources.size(), kNone) {
+        shapes_.reserve(declaration.resources.size());
+        for (const ResourceDecl& resource : declaration.resources)
+            shapes_.push_back({resource.kind, resource.image.format});
+    }
 
     void check(PassId id) {
         const PassDecl& pass = declaration_.passes[id];
         const std::span uses = declaration_.uses_of(id);
         check_queue(pass);
-        bindings_.clear();
         for (const Use& use : uses) {
-            const ResourceDecl& resource = declaration_.resources[use.resource];
-            check_kind(pass, use, resource);
-            if (use.part != kNone) check_part(pass, use, resource);
-            check_binding(pass, use, resource, uses);
-            if (resource.kind == ResourceKind::image) check_format(pass, use, resource);
-            check_twice(pass, use, resource, uses);
+            check_kind(pass, use);
+            if (use.part != kNone) check_part(pass, use);
+            check_binding(pass, use, uses);
+            if (is_image(use)) check_format(pass, use);
+            check_twice(pass, use, uses);
         }
         if (pass.kind == PassKind::raster) check_attachments(pass, uses);
     }
@@ -98,26 +100,35 @@ private:
                 describe(pass), name_of(pass.kind), name_of(pass.queue));
     }
 
+    bool is_image(const Use& use) const {
+        return shapes_[use.resource].kind == ResourceKind::image;
+    }
+    const ResourceDecl& resource_of(const Use& use) const {
+        return declaration_.resources[use.resource];
+    }
+
     /// Whether a pass of this kind can make this access, in this stage, of this kind of resource.
-    void check_kind(const PassDecl& pass, const Use& use, const ResourceDecl& resource) const {
-        const bool image = resource.kind == ResourceKind::image;
+    void check_kind(const PassDecl& pass, const Use& use) const {
+        const bool image = is_image(use);
         if (image ? image_usage(use.access) == 0 : buffer_usage(use.access) == 0)
             fail("wrong-access", "{} uses {} as {}, which {} cannot be", describe(pass),
-                describe(resource), name_of(use.access), image ? "an image" : "a buffer");
+                describe(resource_of(use)), name_of(use.access), image ? "an image" : "a buffer");
         if (!may_access(pass.kind, use.access))
             fail("wrong-access", "{} is a {} pass and uses {} as {}; move that to another pass",
-                describe(pass), name_of(pass.kind), describe(resource), name_of(use.access));
+                describe(pass), name_of(pass.kind), describe(resource_of(use)),
+                name_of(use.access));
         if (!in_shader(use.access)) return;
         const bool raster = pass.kind == PassKind::raster;
         const bool fits = raster ? use.stage == Stage::vertex || use.stage == Stage::fragment
                                  : use.stage == Stage::compute;
         if (!fits)
             fail("wrong-stage", "{} is a {} pass and uses {} in the {} stage; name {}",
-                describe(pass), name_of(pass.kind), describe(resource), name_of(use.stage),
+                describe(pass), name_of(pass.kind), describe(resource_of(use)), name_of(use.stage),
                 raster ? "Stage::vertex or Stage::fragment" : "Stage::compute");
     }
 
-    void check_part(const PassDecl& pass, const Use& use, const ResourceDecl& resource) const {
+    void check_part(const PassDecl& pass, const Use& use) const {
+        const ResourceDecl& resource = resource_of(use);
         const Part& part = declaration_.parts[use.part];
         const bool buffer = resource.kind == ResourceKind::buffer;
         const bool inside =
@@ -142,23 +153,18 @@ private:
                 describe(pass), describe(resource), part.offset);
     }
 
-    void check_binding(const PassDecl& pass, const Use& use, const ResourceDecl& resource,
-        std::span<const Use> uses) {
-        const std::string& binding = declaration_.detail_of(use).binding;
-        // Nearly always different, so most names are never compared.
-        bindings_.push_back(hash_of(binding));
+    void check_binding(const PassDecl& pass, const Use& use, std::span<const Use> uses) const {
         if (!in_shader(use.access)) return;
-        if (binding.empty())
+        if (use.binding == kNone)
             fail("missing-binding", "{} uses {} as {} without a name in its shader; give one",
-                describe(pass), describe(resource), name_of(use.access));
-        for (std::size_t i = 0; i + 1 < bindings_.size(); ++i) {
-            const Use& other = uses[i];
-            if (bindings_[i] != bindings_.back()) continue;
-            if (declaration_.detail_of(other).binding != binding) continue;
+                describe(pass), describe(resource_of(use)), name_of(use.access));
+        for (const Use& other : uses) {
+            if (&other == &use) break;
+            if (other.binding != use.binding) continue;
             if (other.resource != use.resource ||
                 part_of(declaration_, other) != part_of(declaration_, use))
                 fail("duplicate-binding", "{} binds both {} and {} to '{}'; rename one",
-                    describe(pass), what_of(other), what_of(use), binding);
+                    describe(pass), what_of(other), what_of(use), declaration_.binding_of(use));
         }
     }
 
@@ -169,8 +175,8 @@ private:
             "{} of {}", text_of(resource, declaration_.parts[use.part]), describe(resource));
     }
 
-    void check_format(const PassDecl& pass, const Use& use, const ResourceDecl& resource) const {
-        const VkFormat format = resource.image.format;
+    void check_format(const PassDecl& pass, const Use& use) const {
+        const VkFormat format = shapes_[use.resource].format;
         const bool storage = image_usage(use.access) == VK_IMAGE_USAGE_STORAGE_BIT;
         const bool bad =
             (storage && (is_depth(format) || is_srgb(format) || is_sampled_only(format))) ||
@@ -179,27 +185,28 @@ private:
             (use.access == Access::depth_attachment && !is_depth(format));
         if (bad)
             fail("bad-format", "{} uses {} as {}, which its format {} does not allow; choose {}",
-                describe(pass), describe(resource), name_of(use.access), format_text(format),
+                describe(pass), describe(resource_of(use)), name_of(use.access),
+                format_text(format),
                 use.access == Access::depth_attachment ? "D32_SFLOAT" : "a linear colour format");
     }
 
     /// A pass may use the same part of a resource several times only to read it, an image in one
     /// layout.
-    void check_twice(const PassDecl& pass, const Use& use, const ResourceDecl& resource,
-        std::span<const Use> uses) {
+    void check_twice(const PassDecl& pass, const Use& use, std::span<const Use> uses) {
         const std::uint32_t previous = last_use_[use.resource];
         last_use_[use.resource] = static_cast<std::uint32_t>(&use - declaration_.uses.data());
         if (previous == kNone || previous < pass.first_use) return;
         for (const Use& other : uses) {
             if (&other == &use) break;
             if (other.resource != use.resource || !overlap(other, use)) continue;
-            const bool same_layout = resource.kind == ResourceKind::buffer ||
-                                     state_of(use.access, use.stage).layout ==
-                                         state_of(other.access, other.stage).layout;
+            const bool same_layout =
+                !is_image(use) || state_of(use.access, use.stage).layout ==
+                                      state_of(other.access, other.stage).layout;
             if (writes(use.access) || writes(other.access) || !same_layout)
                 fail("used-twice",
                     "{} uses {} as {} and as {}; use read_write once, or split the pass",
-                    describe(pass), describe(resource), name_of(other.access), name_of(use.access));
+                    describe(pass), describe(resource_of(use)), name_of(other.access),
+                    name_of(use.access));
         }
     }
 
@@ -255,10 +262,16 @@ private:
                 describe(pass));
     }
 
+    /// What the checks of every use ask of its resource, close together.
+    struct Shape {
+        ResourceKind kind;
+        VkFormat format;
+    };
+
     const Declaration& declaration_;
+    std::vector<Shape> shapes_;           ///< per resource
     std::uint32_t max_extent_;            ///< of attachments
     std::vector<std::uint32_t> last_use_; ///< per resource: index of its latest use so far
-    std::vector<std::size_t> bindings_;   ///< hashes of the names of this pass's uses so far
 };
 
 } // namespace

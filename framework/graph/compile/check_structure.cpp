@@ -57,6 +57,9 @@ void check_use(const Declaration& declaration, const PassDecl& pass, const Use& 
     if (use.part != kNone && use.part != next_part++)
         fail(declaration, "{} uses part {} of {}, where part {} is next", describe(pass), use.part,
             declaration.parts.size(), next_part - 1);
+    if (use.binding != kNone && use.binding >= declaration.bindings.size())
+        fail(declaration, "{} binds {} to name {} of {}", describe(pass), describe(resource),
+            use.binding, declaration.bindings.size());
     std::uint32_t& version = versions[use.resource];
     const std::uint32_t made = writes(use.access) ? version + 1 : kNone;
     if (use.version != version || use.version_written != made)
@@ -71,9 +74,9 @@ void check_structure(const Declaration& declaration) {
     for (ResourceId id = 0; id < declaration.resources.size(); ++id)
         check_resource(declaration, id);
     check_guards(declaration);
-    if (declaration.details.size() != declaration.uses.size())
-        fail(declaration, "{} uses have {} details", declaration.uses.size(),
-            declaration.details.size());
+    if (declaration.clears.size() != declaration.uses.size())
+        fail(declaration, "{} uses have {} clear values", declaration.uses.size(),
+            declaration.clears.size());
     std::vector<std::uint32_t> versions(declaration.resources.size(), 0);
     std::uint32_t next_use = 0, next_part = 0;
     for (PassId id = 0; id < declaration.passes.size(); ++id) {

@@ -184,7 +184,7 @@ Part load_part(const JsonReader& in, const ResourceDecl& resource) {
 }
 
 json use_json(const Declaration& declaration, const Use& use) {
-    const UseDetail& detail = declaration.detail_of(use);
+    const ClearValue& clear = declaration.clear_of(use);
     json out{{"resource", use.resource}, {"access", name_of(use.access)},
         {"stage", name_of(use.stage)}, {"version", use.version}};
     if (use.version_written != kNone) out["version_written"] = use.version_written;
@@ -193,16 +193,16 @@ json use_json(const Declaration& declaration, const Use& use) {
     if (use.part != kNone)
         out["part"] =
             part_json(declaration.resources[use.resource].kind, declaration.parts[use.part]);
-    if (!detail.binding.empty()) out["binding"] = detail.binding;
-    if (detail.clear != std::array<float, 4>{})
-        for (const float value : detail.clear) out["clear"].push_back(real(value));
+    if (use.binding != kNone) out["binding"] = declaration.binding_of(use);
+    if (clear != ClearValue{})
+        for (const float value : clear) out["clear"].push_back(real(value));
     return out;
 }
 
 /// `newest`: the latest version of each resource so far, which is the only one to use.
 void load_use(const JsonReader& in, Declaration& declaration, std::vector<std::uint32_t>& newest) {
     Use use;
-    UseDetail detail;
+    ClearValue clear{};
     use.resource = in["resource"].index(declaration.resources.size());
     use.access = in["access"].one_of<Access>(kAccesses);
     use.stage = in["stage"].one_of<Stage>(kStages);
@@ -221,14 +221,14 @@ void load_use(const JsonReader& in, Declaration& declaration, std::vector<std::u
         use.part = static_cast<std::uint32_t>(declaration.parts.size());
         declaration.parts.push_back(load_part(in["part"], declaration.resources[use.resource]));
     }
-    if (in.has("binding")) detail.binding = in["binding"].text();
+    if (in.has("binding")) use.binding = declaration.bindings.add(in["binding"].text());
     if (in.has("clear")) {
         const std::vector<JsonReader> values = in["clear"].items();
         if (values.size() != 4) in["clear"].fail("found {} numbers, expected 4", values.size());
-        for (std::size_t i = 0; i < 4; ++i) detail.clear[i] = static_cast<float>(values[i].real());
+        for (std::size_t i = 0; i < 4; ++i) clear[i] = static_cast<float>(values[i].real());
     }
     declaration.uses.push_back(use);
-    declaration.details.push_back(std::move(detail));
+    declaration.clears.push_back(clear);
 }
 
 json pass_json(const Declaration& declaration, PassId id) {

@@ -59,9 +59,9 @@ TEST(Graph, AttachmentsKeepLoadAndClear) {
     (void)pass.depth(depth, 0.5f);
     const auto& uses = graph.declaration().uses;
     EXPECT_EQ(uses[0].load, LoadOp::clear);
-    EXPECT_EQ(graph.declaration().details[0].clear[3], 4.0f);
+    EXPECT_EQ(graph.declaration().clears[0][3], 4.0f);
     EXPECT_EQ(uses[1].load, LoadOp::clear);
-    EXPECT_EQ(graph.declaration().details[1].clear[0], 0.5f);
+    EXPECT_EQ(graph.declaration().clears[1][0], 0.5f);
     EXPECT_FALSE(needs_content(uses[1]));
     EXPECT_TRUE(replaces_content(uses[1]));
 }

@@ -566,12 +566,13 @@ TEST(Misuse, Malformed) {
     const auto head = [&](auto corrupt) { return text(corrupt).substr(0, 11); };
     EXPECT_EQ(head([](Declaration& d) { d.uses[0].version_written = kNone; }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.uses[0].part = 7; }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.uses[0].binding = 7; }), "[malformed]");
     EXPECT_EQ(
         head([](Declaration& d) { d.uses[0].access = static_cast<Access>(99); }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.parts.clear(); }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.parts.emplace_back(); }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.uses.pop_back(); }), "[malformed]");
-    EXPECT_EQ(head([](Declaration& d) { d.details.clear(); }), "[malformed]");
+    EXPECT_EQ(head([](Declaration& d) { d.clears.clear(); }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.passes[0].use_count = 2; }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.passes[0].first_use = 1; }), "[malformed]");
     EXPECT_EQ(head([](Declaration& d) { d.passes[0].guard = 1; }), "[malformed]");

@@ -79,8 +79,8 @@ TEST(PlanFile, KeepsEverything) {
             std::tie(b.resource, b.access, b.stage, b.load, b.filter, b.version, b.version_written,
                 b.part))
             << i;
-        EXPECT_EQ(before.details[i].binding, after.details[i].binding);
-        EXPECT_EQ(before.details[i].clear, after.details[i].clear);
+        EXPECT_EQ(before.binding_of(a), after.binding_of(b));
+        EXPECT_EQ(before.clears[i], after.clears[i]);
     }
     EXPECT_EQ(before.parts, after.parts);
     EXPECT_EQ(before.guards, after.guards);

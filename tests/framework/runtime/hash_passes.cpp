@@ -190,12 +190,12 @@ std::string HashPasses::shader(
     for (const Use& use : declaration_.uses_of(pass)) {
         depth |= use.access == Access::depth_attachment;
         if (!is_shader_input(use) || use.stage != stage) continue;
-        defines.push_back(fmt::format("{}_{}", declaration_.detail_of(use).binding,
+        defines.push_back(fmt::format("{}_{}", declaration_.binding_of(use),
             kind_of(use.access, declaration_.resources[use.resource].kind)));
     }
     if (target) {
         const bool image = declaration_.resources[target->resource].kind == ResourceKind::image;
-        defines.push_back(declaration_.detail_of(*target).binding);
+        defines.emplace_back(declaration_.binding_of(*target));
         defines.push_back(image ? "to_texels" : "to_words");
         if (target->access == Access::storage_read_write) defines.push_back("old");
     }
@@ -209,7 +209,7 @@ void HashPasses::record_compute(PassId pass, std::uint32_t execution, Commands& 
     Push push;
     for (const Use& use : uses) {
         if (use.access != Access::uniform) continue;
-        const auto input = static_cast<std::size_t>(declaration_.detail_of(use).binding[1] - '0');
+        const auto input = static_cast<std::size_t>(declaration_.binding_of(use)[1] - '0');
         push.uniform_words[input] =
             static_cast<std::uint32_t>(part_of(declaration_, use).bytes / 4);
     }
@@ -235,8 +235,7 @@ void HashPasses::record_raster(PassId pass, std::uint32_t execution, Commands& c
     for (const Use& use : declaration_.uses_of(pass)) {
         const Part part = part_of(declaration_, use);
         if (use.access == Access::uniform) {
-            const auto input =
-                static_cast<std::size_t>(declaration_.detail_of(use).binding[1] - '0');
+            const auto input = static_cast<std::size_t>(declaration_.binding_of(use)[1] - '0');
             push.uniform_words[input] = static_cast<std::uint32_t>(part.bytes / 4);
         } else if (is_storage_target(use)) {
             target = &use;

@@ -76,7 +76,7 @@ private:
     }
 
     void corrupt(Use& use) {
-        switch (rng_.below(7)) {
+        switch (rng_.below(8)) {
         case 0:
             use.resource = some_number(use.resource);
             break;
@@ -97,6 +97,9 @@ private:
             break;
         case 6:
             use.load = some_enum<LoadOp>();
+            break;
+        case 7:
+            use.binding = some_number(use.binding);
             break;
         }
     }
@@ -196,7 +199,7 @@ private:
             if (!d_.uses.empty()) d_.uses.pop_back();
             break;
         case 1:
-            if (!d_.details.empty()) d_.details.pop_back();
+            if (!d_.clears.empty()) d_.clears.pop_back();
             break;
         case 2:
             if (!d_.parts.empty()) d_.parts.pop_back();
