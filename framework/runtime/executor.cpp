@@ -234,6 +234,35 @@ public:
                 *format, gpu::download(device_, real, layout, part.first_layer, part.first_mip)));
     }
 
+    std::vector<SavedResource> save() {
+        expect_whole();
+        wait();
+        std::vector<SavedResource> saved;
+        for (const ResourceId id : resources_.persistent()) {
+            saved.push_back({declaration().resources[id].name, resources_.content(id)});
+        }
+        return saved;
+    }
+
+    void restore(const std::vector<SavedResource>& saved) {
+        expect_whole();
+        wait();
+        const std::vector<ResourceId> ids = resources_.persistent();
+        if (saved.size() != ids.size()) {
+            fail_graph(declaration(), "content-mismatch",
+                "the graph keeps {} persistent resources, but {} were saved", ids.size(),
+                saved.size());
+        }
+        for (std::size_t i = 0; i < ids.size(); ++i) {
+            const ResourceDecl& resource = declaration().resources[ids[i]];
+            if (resource.name != saved[i].name) {
+                fail_graph(declaration(), "content-mismatch", "'{}' was saved in place of {}",
+                    saved[i].name, describe(resource));
+            }
+            resources_.set_content(ids[i], saved[i].bytes);
+        }
+    }
+
     gpu::Device& device() const { return device_; }
     const Policy& policy() const { return policy_; }
     const ExecutorOptions& options() const { return options_; }
@@ -427,6 +456,8 @@ bool Executor::update(Graph graph) {
 
 std::vector<std::byte> Executor::read(BufferHandle buffer) { return impl_->read(buffer); }
 Image Executor::read(const ImagePart& image) { return impl_->read(image); }
+std::vector<SavedResource> Executor::save() { return impl_->save(); }
+void Executor::restore(const std::vector<SavedResource>& saved) { impl_->restore(saved); }
 const Graph& Executor::graph() const { return impl_->graph(); }
 const Plan& Executor::plan() const { return impl_->plan(); }
 std::size_t Executor::pipeline_count() const { return impl_->pipeline_count(); }

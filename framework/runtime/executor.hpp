@@ -55,6 +55,13 @@ struct ImportSync {
     gpu::TimelinePoint signal;
 };
 
+/// Content of a persistent resource on the host: the bytes of a buffer, or the texels of an image
+/// without gaps, its mips one after the other, each layer by layer.
+struct SavedResource {
+    std::string name;
+    std::vector<std::byte> bytes;
+};
+
 class Executor {
 public:
     /// Compiles and creates everything the plan needs. Throws the errors of compile(), and
@@ -110,6 +117,13 @@ public:
     /// format as floats; integer formats give their values. Channels are named R, G, B, A as many
     /// as the format has.
     Image read(const ImagePart& image);
+
+    /// What the executions so far leave for the next: every persistent resource and age of a
+    /// history that the plan keeps, in order of declaration. Waits for what is in flight.
+    std::vector<SavedResource> save();
+    /// Puts that into an executor of an equal graph, which then goes on as this one would have.
+    /// Error(input) naming the resource where names or sizes differ; then some have been changed.
+    void restore(const std::vector<SavedResource>& saved);
 
     const Graph& graph() const;
     const Plan& plan() const;

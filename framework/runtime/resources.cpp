@@ -2,6 +2,7 @@
 #include "framework/runtime/resources.hpp"
 
 #include "framework/gpu/device.hpp"
+#include "framework/graph/format.hpp"
 #include "framework/runtime/barriers.hpp"
 #include "framework/runtime/misuse.hpp"
 
@@ -84,6 +85,31 @@ void record_copy(VkCommandBuffer commands, const Resource& from, const Resource&
     }
     vkCmdCopyImage(commands, from.image->handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
         to.image->handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, info.mips, regions.data());
+}
+
+/// All of a resource as bytes without gaps: mips one after the other, each layer by layer.
+std::vector<VkBufferImageCopy> tight_regions(const gpu::Image& image, std::uint64_t& bytes) {
+    const gpu::ImageInfo& info = image.info();
+    std::vector<VkBufferImageCopy> regions;
+    bytes = 0;
+    for (std::uint32_t mip = 0; mip < info.mips; ++mip) {
+        const VkExtent3D extent = gpu::mip_extent(info, mip);
+        regions.push_back({.bufferOffset = bytes,
+            .imageSubresource = {.aspectMask = image.aspect(),
+                .mipLevel = mip,
+                .layerCount = info.layers},
+            .imageExtent = extent});
+        bytes += std::uint64_t{texel_bytes(info.format)} * extent.width * extent.height *
+                 extent.depth * info.layers;
+    }
+    return regions;
+}
+
+std::uint64_t content_bytes(const Resource& resource) {
+    if (resource.buffer) return resource.buffer->bytes();
+    std::uint64_t bytes = 0;
+    tight_regions(*resource.image, bytes);
+    return bytes;
 }
 
 void record_zero(VkCommandBuffer commands, const Resource& resource) {
@@ -254,6 +280,69 @@ void Resources::keep_content(const Resources& old) {
             record_copy(commands, old.resources_[from], resources_[to]);
         }
         after.record(commands);
+    });
+}
+
+std::vector<ResourceId> Resources::persistent() const {
+    std::vector<ResourceId> ids;
+    for (const Placement& placement : plan_.placements) {
+        const ResourceDecl& resource = declaration().resources[placement.resource];
+        if (resource.lifetime == Lifetime::persistent) ids.push_back(placement.resource);
+    }
+    std::ranges::sort(ids);
+    return ids;
+}
+
+std::vector<std::byte> Resources::content(ResourceId id) const {
+    const gpu::Buffer staging(device_, {.bytes = content_bytes(resources_[id]),
+                                           .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                           .name = "saved content",
+                                           .memory = gpu::MemoryUse::readback});
+    copy_content(id, staging, Access::transfer_read);
+    return {staging.mapped().begin(), staging.mapped().end()};
+}
+
+void Resources::set_content(ResourceId id, std::span<const std::byte> bytes) {
+    const gpu::Buffer staging(device_, {.bytes = content_bytes(resources_[id]),
+                                           .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                                           .name = "saved content",
+                                           .memory = gpu::MemoryUse::upload});
+    if (bytes.size() != staging.bytes()) {
+        fail_graph(declaration(), "content-mismatch", "{} holds {} bytes, but {} were saved",
+            describe(declaration().resources[id]), staging.bytes(), bytes.size());
+    }
+    std::ranges::copy(bytes, staging.mapped().begin());
+    copy_content(id, staging, Access::transfer_write);
+}
+
+/// Between a resource in its final state and all of a buffer.
+void Resources::copy_content(ResourceId id, const gpu::Buffer& staging, Access access) const {
+    const Resource& resource = resources_[id];
+    const bool read = access == Access::transfer_read;
+    device_.run("saved content", [&](VkCommandBuffer commands) {
+        BarrierBatch before, after;
+        before.add(state_barrier(id, true, false, access), resource);
+        after.add(state_barrier(id, false, false, access), resource);
+        record_full_barrier(commands);
+        before.record(commands);
+        if (resource.buffer) {
+            const VkBufferCopy region{0, 0, staging.bytes()};
+            const VkBuffer own = resource.buffer->handle(), other = staging.handle();
+            vkCmdCopyBuffer(commands, read ? own : other, read ? other : own, 1, &region);
+        } else {
+            std::uint64_t bytes = 0;
+            const std::vector<VkBufferImageCopy> regions = tight_regions(*resource.image, bytes);
+            const auto count = static_cast<std::uint32_t>(regions.size());
+            if (read) {
+                vkCmdCopyImageToBuffer(commands, resource.image->handle(),
+                    VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging.handle(), count, regions.data());
+            } else {
+                vkCmdCopyBufferToImage(commands, staging.handle(), resource.image->handle(),
+                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, count, regions.data());
+            }
+        }
+        after.record(commands);
+        record_full_barrier(commands);
     });
 }
 

@@ -8,7 +8,9 @@
 #include "framework/graph/graph.hpp"
 #include "framework/graph/plan.hpp"
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace ockham {
@@ -59,6 +61,13 @@ public:
     /// graphs must not be executing.
     void keep_content(const Resources& old);
 
+    /// Persistent resources and ages of histories that exist, in order of declaration.
+    std::vector<ResourceId> persistent() const;
+    /// Content of one of them on the host, as SavedResource has it. Nothing may be executing.
+    std::vector<std::byte> content(ResourceId id) const;
+    /// The other way; as many bytes as content() gives.
+    void set_content(ResourceId id, std::span<const std::byte> bytes);
+
     /// Transient memory is filled with NaNs before each first use from now on.
     void enable_poison();
     /// Does so for what `step` uses first; after enable_poison() only.
@@ -75,6 +84,7 @@ private:
     const ResourceDecl& external(ResourceId id, ResourceKind kind) const;
     void expect_usage(ResourceId id, std::uint32_t found, const std::string& name) const;
     Barrier state_barrier(ResourceId id, bool into_copy, bool from_nothing, Access copy) const;
+    void copy_content(ResourceId id, const gpu::Buffer& staging, Access access) const;
     const Declaration& declaration() const { return graph_.declaration(); }
 
     gpu::Device& device_;
