@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "framework/scene/builtin_volume.hpp"
+
+#include "framework/core/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace ockham {
+
+namespace {
+
+std::uint32_t hash(glm::ivec3 p, std::uint32_t seed) {
+    std::uint32_t h = static_cast<std::uint32_t>(p.x) * 0x9e3779b1u ^
+                      static_cast<std::uint32_t>(p.y) * 0x85ebca77u ^
+                      static_cast<std::uint32_t>(p.z) * 0xc2b2ae3du ^ seed * 0x27d4eb2fu;
+    h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+    h = (h ^ (h >> 12)) * 0x297a2d39u;
+    return h ^ (h >> 15);
+}
+
+double smooth(double low, double high, double x) {
+    const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+/// Gradient noise (Perlin 2002) in about [-1, 1], 0 at integer points.
+double gradient_noise(glm::dvec3 p, std::uint32_t seed) {
+    const glm::dvec3 base = glm::floor(p);
+    const glm::dvec3 f = p - base;
+    const glm::dvec3 fade = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    std::array<double, 8> corners;
+    for (int i = 0; i < 8; ++i) {
+        const glm::ivec3 step(i & 1, i >> 1 & 1, i >> 2);
+        const glm::dvec3 d = f - glm::dvec3(step);
+        // Toward one of the twelve edges of a cube.
+        const std::uint32_t edge = hash(glm::ivec3(base) + step, seed) % 12;
+        const double a = edge < 8 ? d.x : d.y;
+        const double b = edge < 4 ? d.y : d.z;
+        corners[i] = ((edge & 1) != 0 ? -a : a) + ((edge & 2) != 0 ? -b : b);
+    }
+    for (int i = 0; i < 4; ++i) corners[i] = glm::mix(corners[2 * i], corners[2 * i + 1], fade.x);
+    for (int i = 0; i < 2; ++i) corners[i] = glm::mix(corners[2 * i], corners[2 * i + 1], fade.y);
+    return glm::mix(corners[0], corners[1], fade.z);
+}
+
+/// Sum of octaves of |noise|, each of twice the frequency and half the amplitude: round billows
+/// with creases between them (Ebert et al., Texturing and Modeling, "turbulence"). About [0, 1].
+double billows(glm::dvec3 p, int octaves, std::uint32_t seed) {
+    double sum = 0, amplitude = 1;
+    for (int octave = 0; octave < octaves; ++octave, amplitude *= 0.5) {
+        sum += amplitude * std::abs(gradient_noise(p, seed + static_cast<std::uint32_t>(octave)));
+        p = p * 2.0 + glm::dvec3(0.31, 0.17, 0.53);
+    }
+    return sum;
+}
+
+struct Ball {
+    glm::dvec3 center;
+    double radius;
+};
+
+/// The bubbles that a cumulus is made of: a heap on a flat base, each of its balls with smaller
+/// ones on its upper side. In units of the box's longest side, z from 0 at the bottom.
+std::vector<Ball> cloud_balls() {
+    std::vector<Ball> balls{{{0.50, 0.50, 0.30}, 0.190}, {{0.33, 0.46, 0.24}, 0.135},
+        {{0.68, 0.54, 0.25}, 0.145}, {{0.50, 0.31, 0.23}, 0.125}, {{0.48, 0.69, 0.22}, 0.125},
+        {{0.57, 0.52, 0.44}, 0.130}, {{0.42, 0.50, 0.40}, 0.105}, {{0.21, 0.50, 0.19}, 0.075},
+        {{0.80, 0.47, 0.19}, 0.080}};
+    std::size_t first = 0;
+    for (std::uint32_t generation = 0; generation < 2; ++generation) {
+        const std::size_t last = balls.size();
+        for (std::size_t parent = first; parent < last; ++parent)
+            for (int child = 0; child < 7; ++child) {
+                const Ball ball = balls[parent];
+                const auto number = [&](int which) {
+                    return (hash({static_cast<int>(parent), child, which}, generation) >> 8) *
+                           0x1p-24;
+                };
+                glm::dvec3 way(number(0) - 0.5, number(1) - 0.5, number(2) - 0.25);
+                way = way / std::sqrt(glm::dot(way, way) + 1e-6);
+                balls.push_back({ball.center + way * (0.85 * ball.radius),
+                    ball.radius * (0.35 + 0.25 * number(3))});
+            }
+        first = last;
+    }
+    return balls;
+}
+
+/// Distance into the nearest ball, positive inside.
+double depth_in(const std::vector<Ball>& balls, glm::dvec3 p) {
+    double depth = -1;
+    for (const Ball& ball : balls) {
+        const glm::dvec3 d = p - ball.center;
+        const double reach = ball.radius - depth;
+        if (reach <= 0 || glm::dot(d, d) >= reach * reach) continue;
+        depth = ball.radius - std::sqrt(glm::dot(d, d));
+    }
+    return depth;
+}
+
+/// 0 to 1 at a point of the cloud's box.
+double cloud_density(const std::vector<Ball>& balls, glm::dvec3 p) {
+    constexpr double kBase = 0.13;   // height of the flat underside
+    constexpr double kRelief = 0.07; // how far billows move the surface
+    const double depth = depth_in(balls, p);
+    if (depth < -kRelief || p.z < kBase - 0.03) return 0;
+    const double puff = billows(p * 9.0, 5, 1);
+    double inside = depth + kRelief * (0.9 - 2.0 * puff);
+    const double base = p.z - kBase + 0.02 * gradient_noise(p * 11.0, 20);
+    inside = std::min(inside, 0.5 * base);
+    if (inside <= 0) return 0;
+    // Wisps: the rim is thin, and eaten away by finer noise the thinner it is.
+    const double rim = smooth(0.0, 0.05, inside);
+    const double eaten = 0.9 * billows(p * 34.0, 3, 40) * (1.0 - rim);
+    const double core = 0.75 + 0.25 * gradient_noise(p * 6.0, 60);
+    return std::clamp((rim - eaten) / (1.0 - eaten), 0.0, 1.0) * core;
+}
+
+template <class ValueAt>
+void fill_bytes(Volume& volume, ValueAt&& value_at) {
+    volume.type = VoxelType::uint8;
+    volume.voxels.reserve(volume.voxel_count());
+    for (std::uint32_t z = 0; z < volume.dims.z; ++z)
+        for (std::uint32_t y = 0; y < volume.dims.y; ++y)
+            for (std::uint32_t x = 0; x < volume.dims.x; ++x) {
+                const double value = value_at(glm::dvec3(x, y, z) + 0.5);
+                volume.voxels.push_back(static_cast<std::byte>(value * 255.0 + 0.5));
+            }
+}
+
+Volume cloud(std::uint32_t side) {
+    Volume volume;
+    volume.dims = {side, side, std::max(1u, side * 3 / 4)};
+    const std::vector<Ball> balls = cloud_balls();
+    fill_bytes(volume, [&](glm::dvec3 p) { return cloud_density(balls, p / double(side)); });
+    return volume;
+}
+
+Volume shells(std::uint32_t side) {
+    constexpr double kGap = 3, kMargin = 2; // voxels
+    Volume volume;
+    volume.dims = glm::uvec3(side);
+    const double half = 0.5 * side;
+    fill_bytes(volume, [&](glm::dvec3 p) {
+        const glm::dvec3 d = p - half;
+        const double distance = std::sqrt(glm::dot(d, d));
+        double outer = half - kMargin;
+        for (int thickness = 1; thickness <= 8; ++thickness) {
+            const double inner = outer - thickness;
+            if (inner < 1) break;
+            const double inside = std::min(distance - inner, outer - distance);
+            if (inside > -0.5) return std::min(inside + 0.5, 1.0);
+            outer = inner - kGap;
+        }
+        return 0.0;
+    });
+    return volume;
+}
+
+Volume of_ones(glm::uvec3 dims) {
+    Volume volume;
+    volume.dims = dims;
+    volume.type = VoxelType::float32;
+    volume.voxels.resize(volume.voxel_count() * sizeof(float));
+    const float one = 1;
+    for (std::size_t i = 0; i < volume.voxel_count(); ++i)
+        std::memcpy(&volume.voxels[i * sizeof one], &one, sizeof one);
+    return volume;
+}
+
+Volume slab(std::uint32_t side) {
+    Volume volume = of_ones({side, side, std::max(1u, side / 64)});
+    volume.spacing_mm.z = side / 64.0 / volume.dims.z;
+    return volume;
+}
+
+} // namespace
+
+Volume builtin_volume(const std::string& name, std::uint32_t side) {
+    if (side < 1 || side > 1024)
+        fail_input("volume '{}': {} voxels a side, expected 1 to 1024", name, side);
+    Volume volume;
+    if (name == "builtin:cloud")
+        volume = cloud(side);
+    else if (name == "builtin:shells")
+        volume = shells(side);
+    else if (name == "builtin:slab")
+        volume = slab(side);
+    else if (name == "builtin:constant")
+        volume = of_ones(glm::uvec3(side));
+    else
+        fail_input("no volume '{}': there are builtin:cloud, builtin:shells, builtin:slab, "
+                   "builtin:constant",
+            name);
+    volume.name = name;
+    return volume;
+}
+
+} // namespace ockham

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volumes made by formulas on integers and exactly rounded arithmetic, so that every machine gets
+// the same bytes. For the first picture, for tests and for benchmarks without data. CPU only.
+#pragma once
+
+#include "framework/scene/volume.hpp"
+
+#include <cstdint>
+#include <string>
+
+namespace ockham {
+
+/// builtin:cloud|shells|slab|constant, `side` (1 to 1024) voxels along the longest side, 1 mm
+/// apart. z is up.
+///  - cloud: a cumulus, flat below, billowed above, empty around; uint8, its height 3/4 of its
+///  side.
+///  - shells: eight concentric spherical shells, from the outermost to the innermost 1, 2, ... 8
+///    voxels thick where they cross half of their value of 255, and gaps of 0 between them; as many
+///    as fit. uint8. Surfaces below the value 100 have no holes, even through the thinnest.
+///  - slab: value 1 everywhere, in a box of 64:64:1, thin along z; float.
+///  - constant: value 1 everywhere, in a cube; float.
+/// Throws Error(input) that lists the names.
+Volume builtin_volume(const std::string& name, std::uint32_t side = 128);
+
+} // namespace ockham
