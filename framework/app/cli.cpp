@@ -70,19 +70,6 @@ void add_option(CLI::App& app, Param& param) {
     if (!param.group_name.empty()) option->group(param.group_name);
 }
 
-std::vector<float> parse_numbers(const std::string& text, char separator) {
-    std::vector<float> numbers;
-    std::istringstream stream(text);
-    std::string word;
-    while (std::getline(stream, word, separator)) {
-        char* end = nullptr;
-        const float value = std::strtof(word.c_str(), &end);
-        if (word.empty() || *end != 0 || !std::isfinite(value)) return {};
-        numbers.push_back(value);
-    }
-    return numbers;
-}
-
 double now_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
         .count();
@@ -103,7 +90,9 @@ void add_run_flags(Params& params, CommonOptions& o) {
         .add("shader-dir", &o.shader_dir,
             "folder of GLSL in place of built-in shaders of the same name, watched for changes")
         .group(kRun);
-    params.add("memory-budget", &o.memory_budget, "device memory to use at most; 0: what the device reports")
+    params
+        .add("memory-budget", &o.memory_budget,
+            "device memory to use at most; 0: what the device reports")
         .range(0, 1 << 30)
         .unit("MiB")
         .group(kRun);
@@ -142,7 +131,6 @@ void add_view_flags(Params& params, CommonOptions& o) {
 
 void add_output_flags(Params& params, CommonOptions& o) {
     const char* kPicture = "Picture";
-    const char* kRun = "Run";
     const char* kReport = "Reports";
     params.add("output", &o.output, "picture to write: .exr (linear) or .png (sRGB)")
         .letter('o')
@@ -155,11 +143,6 @@ void add_output_flags(Params& params, CommonOptions& o) {
     params.add("tonemap", &o.tonemap, "tone curve of .png files")
         .choices({"none", "aces"})
         .group(kPicture);
-    params
-        .add("frames", &o.frames,
-            "executions of the graph; default 1, with --stats 5 after one that warms up")
-        .range(1, 1000000)
-        .group(kRun);
     params.add("stats", &o.stats, "JSON file with times, memory, samples and image error")
         .group(kReport)
         .transient();
@@ -181,6 +164,14 @@ void add_output_flags(Params& params, CommonOptions& o) {
     params.add("reference", &o.reference, "picture (.exr or .png) to measure the error against")
         .group(kReport)
         .transient();
+}
+
+void add_frames_flag(Params& params, CommonOptions& o) {
+    params
+        .add("frames", &o.frames,
+            "executions of the graph; default 1, with --stats 5 after one that warms up")
+        .range(1, 1000000)
+        .group("Run");
 }
 
 std::optional<int> parse_command_line(
@@ -264,27 +255,50 @@ void expect_no_validation_messages(const gpu::Device& device) {
     }
 }
 
+std::vector<float> parse_numbers(const std::string& text, char separator) {
+    std::vector<float> numbers;
+    std::istringstream stream(text);
+    std::string word;
+    while (std::getline(stream, word, separator)) {
+        char* end = nullptr;
+        const float value = std::strtof(word.c_str(), &end);
+        if (word.empty() || *end != 0 || !std::isfinite(value)) return {};
+        numbers.push_back(value);
+    }
+    return numbers;
+}
+
+glm::vec3 parse_color(const std::string& flag, const std::string& text) {
+    const std::vector<float> c = parse_numbers(text);
+    if (c.size() != 3 || !(c[0] >= 0 && c[1] >= 0 && c[2] >= 0))
+        fail_input("--{}: found '{}', expected r,g,b, each at least 0", flag, text);
+    return {c[0], c[1], c[2]};
+}
+
+std::optional<Camera> parse_camera(const std::string& text, UpAxis up) {
+    std::istringstream words(text);
+    std::string position_text, target_text, fov_text, more;
+    words >> position_text >> target_text >> fov_text >> more;
+    const std::vector<float> p = parse_numbers(position_text), t = parse_numbers(target_text),
+                             f = parse_numbers(fov_text);
+    if (p.size() != 3 || t.size() != 3 || f.size() != 1 || !more.empty()) return {};
+    const glm::vec3 position(p[0], p[1], p[2]), target(t[0], t[1], t[2]);
+    if (!(glm::dot(target - position, target - position) > 1e-30f))
+        fail_input("--camera: position and target are both {}", position_text);
+    if (!(f[0] > 0.0f && f[0] < 180.0f))
+        fail_input("--camera: found a field of view of {} degrees, expected 0 to 180", f[0]);
+    return look_at(position, target, f[0], up);
+}
+
 Camera choose_camera(const CommonOptions& options, const Scene& scene, const Bounds& bounds) {
     Camera camera = scene.cameras.empty() ? default_camera(bounds) : scene.cameras.front();
     if (!options.camera.empty()) {
         const auto named = std::find_if(scene.cameras.begin(), scene.cameras.end(),
             [&](const Camera& c) { return c.name == options.camera; });
-        std::istringstream words(options.camera);
-        std::string position_text, target_text, fov_text, more;
-        words >> position_text >> target_text >> fov_text >> more;
-        const std::vector<float> p = parse_numbers(position_text, ','),
-                                 t = parse_numbers(target_text, ','),
-                                 f = parse_numbers(fov_text, ',');
         if (named != scene.cameras.end()) {
             camera = *named;
-        } else if (p.size() == 3 && t.size() == 3 && f.size() == 1 && more.empty()) {
-            const glm::vec3 position(p[0], p[1], p[2]), target(t[0], t[1], t[2]);
-            if (!(glm::dot(target - position, target - position) > 1e-30f))
-                fail_input("--camera: position and target are both {}", position_text);
-            if (!(f[0] > 0.0f && f[0] < 180.0f))
-                fail_input(
-                    "--camera: found a field of view of {} degrees, expected 0 to 180", f[0]);
-            camera = look_at(position, target, f[0]);
+        } else if (const std::optional<Camera> given = parse_camera(options.camera, UpAxis::y)) {
+            camera = *given;
         } else {
             std::vector<std::string> names;
             for (const Camera& c : scene.cameras) names.push_back("'" + c.name + "'");

@@ -47,6 +47,7 @@ struct CommonOptions {
 void add_run_flags(Params& params, CommonOptions& options);
 void add_view_flags(Params& params, CommonOptions& options);
 void add_output_flags(Params& params, CommonOptions& options);
+void add_frames_flag(Params& params, CommonOptions& options);
 
 /// Reads argv, then the run file of --config. An exit code if that was all there is to do (--help,
 /// --version, --list-gpus, --dump-config). Throws Error(input) naming the flag.
@@ -59,8 +60,8 @@ int run_program(const std::function<int()>& body);
 bool interrupted();
 
 gpu::DeviceOptions device_options(const CommonOptions& options);
-/// With --shader-dir: takes shaders from there, or throws Error(input) where there is no such folder.
-/// Call it once, before anything is executed.
+/// With --shader-dir: takes shaders from there, or throws Error(input) where there is no such
+/// folder. Call it once, before anything is executed.
 void watch_shaders(gpu::Device& device, const CommonOptions& options);
 /// Takes up what has changed in --shader-dir since; call it between executions. Errors in shaders
 /// are logged, and those before stay in use.
@@ -68,6 +69,14 @@ void reload_shaders(gpu::Device& device);
 /// Throws Error(device) with the first message if validation found anything so far.
 void expect_no_validation_messages(const gpu::Device& device);
 
+/// The numbers of "1,2,3"; none where any of them is not one.
+std::vector<float> parse_numbers(const std::string& text, char separator = ',');
+/// "r,g,b", each finite and at least 0. Throws Error(input) naming the flag.
+glm::vec3 parse_color(const std::string& flag, const std::string& text);
+
+/// "px,py,pz tx,ty,tz fov"; nothing where the text has another form. Throws Error(input) where it
+/// has that form and no camera can look so.
+std::optional<Camera> parse_camera(const std::string& text, UpAxis up);
 /// The camera that --camera and --orthographic ask for: "px,py,pz tx,ty,tz fov", a camera's name,
 /// or by default the scene's first, else one that sees everything.
 Camera choose_camera(const CommonOptions& options, const Scene& scene, const Bounds& bounds);

@@ -8,8 +8,6 @@
 #include "framework/scene/builtin.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 
 namespace ockham {
 namespace {
@@ -19,16 +17,6 @@ constexpr std::string_view kBuiltin = "builtin:";
 Scene load_scene(const std::string& source, const CommonOptions& common) {
     if (source.starts_with(kBuiltin)) return builtin_scene(source.substr(kBuiltin.size()));
     return load_gltf(source, {.strict = common.strict, .allow_external = common.allow_external});
-}
-
-glm::vec3 parse_radiance(const std::string& text) {
-    glm::vec3 c{};
-    char rest = 0;
-    if (std::sscanf(text.c_str(), "%f,%f,%f%c", &c.x, &c.y, &c.z, &rest) != 3 ||
-        !(c.x >= 0 && c.y >= 0 && c.z >= 0) || std::isinf(c.x + c.y + c.z)) {
-        fail_input("--environment: found '{}', expected r,g,b, each at least 0", text);
-    }
-    return c;
 }
 
 } // namespace
@@ -72,7 +60,7 @@ Scene load_scenes(const SceneOptions& o, const CommonOptions& common) {
         first = false;
     }
     if (!o.rig.empty()) apply(load_rig(o.rig), scene);
-    if (!o.environment.empty()) scene.background = parse_radiance(o.environment);
+    if (!o.environment.empty()) scene.background = parse_color("environment", o.environment);
     if (o.lights >= 0 && static_cast<std::size_t>(o.lights) < scene.lights.size()) {
         scene.lights.resize(static_cast<std::size_t>(o.lights));
     }

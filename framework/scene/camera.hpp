@@ -18,8 +18,13 @@ struct Camera {
     float orthographic_height = 0.0f;     ///< world units from bottom to top; 0 = perspective
 };
 
-/// Camera at `position` looking at `target`. Up is +y, or +z where the view runs along y.
-/// `position` and `target` must differ.
-Camera look_at(glm::vec3 position, glm::vec3 target, float fov_y_degrees);
+enum class UpAxis { y, z };
+
+/// Camera at `position` looking at `target`. Up is the axis given, or the other one of y and z
+/// where the view runs along it. `position` and `target` must differ.
+Camera look_at(glm::vec3 position, glm::vec3 target, float fov_y_degrees, UpAxis up = UpAxis::y);
+
+/// The camera carried around the axis `up` through `centre`, counter-clockwise as seen from above.
+Camera turned(const Camera& camera, glm::vec3 centre, UpAxis up, float radians);
 
 } // namespace ockham

@@ -67,14 +67,15 @@ void append(Scene& scene, Scene addition) {
     if (scene.ambient == glm::vec3(0.0f)) scene.ambient = addition.ambient;
 }
 
-Camera default_camera(const Bounds& bounds) {
+Camera default_camera(const Bounds& bounds, UpAxis up) {
     constexpr float kFovYDegrees = 60.0f;
     constexpr float kMargin = 1.05f;
     const float radius = bounds.radius() > 0.0f ? bounds.radius() : 1.0f;
     // The sphere around the box touches the sides of the view cone at this distance.
     const float distance = kMargin * radius / std::sin(glm::radians(0.5f * kFovYDegrees));
-    const glm::vec3 toward_viewer = glm::normalize(glm::vec3(0.0f, 0.25f, 1.0f));
-    return look_at(bounds.center() + distance * toward_viewer, bounds.center(), kFovYDegrees);
+    const glm::vec3 toward_viewer = glm::normalize(
+        up == UpAxis::y ? glm::vec3(0.0f, 0.25f, 1.0f) : glm::vec3(0.0f, -1.0f, 0.25f));
+    return look_at(bounds.center() + distance * toward_viewer, bounds.center(), kFovYDegrees, up);
 }
 
 } // namespace ockham

@@ -39,7 +39,8 @@ struct Scene {
 /// ambient are kept, unless `scene` has none.
 void append(Scene& scene, Scene addition);
 
-/// A camera that sees the whole of `bounds` from its front, slightly above.
-Camera default_camera(const Bounds& bounds);
+/// A camera that sees the whole of `bounds` from its front, slightly above. The front is +z, or -y
+/// where z is up.
+Camera default_camera(const Bounds& bounds, UpAxis up = UpAxis::y);
 
 } // namespace ockham

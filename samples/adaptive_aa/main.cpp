@@ -2,22 +2,14 @@
 // adaptive_aa: renders scenes with adaptive supersampling or a reference method, and reports what
 // it took. README.md beside this file has examples.
 #include "framework/app/cli.hpp"
-#include "framework/app/report.hpp"
+#include "framework/app/headless.hpp"
 #include "framework/app/scene_source.hpp"
 #include "framework/core/error.hpp"
-#include "framework/core/file.hpp"
 #include "framework/core/log.hpp"
-#include "framework/core/timer.hpp"
-#include "framework/core/version.hpp"
-#include "framework/graph/explain/dump.hpp"
-#include "framework/graph/explain/explain.hpp"
 #include "framework/io/image_file.hpp"
 #include "passes/pipelines/adaptive_aa.hpp"
 
 #include <nlohmann/json.hpp>
-
-#include <cmath>
-#include <set>
 
 using namespace ockham;
 
@@ -81,6 +73,7 @@ void declare(Params& params, Options& o) {
         .group("Reports");
     add_view_flags(params, o.common);
     add_output_flags(params, o.common);
+    add_frames_flag(params, o.common);
     add_run_flags(params, o.common);
 }
 
@@ -109,39 +102,14 @@ AdaptiveAaParams picture_params(const Options& o) {
     return p;
 }
 
-/// Refuses unwritable outputs before anything is rendered.
-void check_outputs(const Options& o) {
-    std::vector<std::string> files{o.common.stats, o.common.plan, o.common.trace};
-    if (!o.common.output.empty()) {
-        is_exr_path(o.common.output);
-        files.push_back(o.common.output);
-    }
-    for (const auto& [name, file] : parse_captures(o.common)) {
-        is_exr_path(file);
-        files.push_back(file);
-    }
-    if (o.aov && (o.common.output.empty() || !is_exr_path(o.common.output))) {
-        fail_input("--aov: layers need an .exr output; found '{}'", o.common.output);
-    }
-    if (!o.common.plan.empty()) check_plan_path(o.common.plan);
-    std::set<std::string> seen;
-    for (const std::string& file : files) {
-        if (file.empty()) continue;
-        check_writable(file);
-        if (!seen.insert(file).second) fail_input("'{}' is named as two outputs", file);
-    }
-}
-
 void add_layer(Image& picture, const Image& source, int channel, const std::string& name) {
     const std::span<const float> from = source.plane(channel);
     std::copy(from.begin(), from.end(), picture.add_channel(name).begin());
 }
 
 /// The picture, with the layers of --aov.
-Image collect_picture(AdaptiveAa& aa, const Options& o, const std::string& command) {
+Image collect_picture(AdaptiveAa& aa, const Options& o) {
     Image picture = aa.picture();
-    picture.metadata = {
-        {"ockham.version", version()}, {"ockham.commit", commit()}, {"ockham.command", command}};
     if (!o.aov) return picture;
     const AdaptiveAaOutputs& out = aa.outputs();
     Executor& executor = aa.executor();
@@ -163,10 +131,7 @@ void print_summary(const FrameTimes& times, const AdaptiveAa::SampleCounts& coun
     fmt::print("gpu     {:9.2f} ms, shading {:.2f} ms (median of {})\n", times.total(),
         times.total_of(is_shading_pass), times.frames());
     fmt::print("samples {:9.2f} %, {:.2f} per pixel\n", counts.percent, counts.mean);
-    if (!error) return;
-    fmt::print("error   {:9.2f} dB PSNR (peak 1, sRGB), SSIM {:.4f}, FLIP {:.4f}, MSE {:.3g}, "
-               "largest {:.3f}\n",
-        error->psnr, error->ssim, error->flip.mean, error->mse, error->max);
+    if (error) print_error(*error);
 }
 
 int render(int argc, char** argv) {
@@ -177,87 +142,45 @@ int render(int argc, char** argv) {
             "Renders scenes with adaptive supersampling for deferred shading.", params, o.common)) {
         return *done;
     }
-    check_outputs(o);
-    std::optional<Image> reference;
-    if (!o.common.reference.empty()) {
-        reference = load_image(o.common.reference);
-        if (reference->width() != o.common.width || reference->height() != o.common.height) {
-            fail_input("--reference: '{}' has {} x {} pixels, the picture {} x {}",
-                o.common.reference, reference->width(), reference->height(), o.common.width,
-                o.common.height);
-        }
-    }
+    if (o.aov && (o.common.output.empty() || !is_exr_path(o.common.output)))
+        fail_input("--aov: layers need an .exr output; found '{}'", o.common.output);
+    HeadlessRun run(o.common, argc, argv);
 
-    const Timer wall;
     Scene scene = load_scenes(o.scene, o.common);
     gpu::Device device(device_options(o.common));
     watch_shaders(device, o.common);
     log::info("{} ({})", device.info().name, device.info().driver_version);
     const LitScene lit(device, std::move(scene));
     const Camera camera = choose_camera(o.common, lit.scene(), lit.gpu().bounds());
-    const AdaptiveAaParams picture = picture_params(o);
-    AdaptiveAa aa(device, lit, camera, picture);
-    const Graph& graph = aa.executor().graph();
-    const auto plan_with = [&](const FrameTimes& times) {
-        if (!o.common.plan.empty())
-            write_plan(o.common.plan, graph.declaration(), aa.executor().plan(),
-                capabilities_of(device), {}, times);
-    };
-    plan_with({}); // also where executing it fails
-    if (o.common.explain) fmt::print("{}", explain(graph.declaration(), aa.executor().plan()));
+    AdaptiveAa aa(device, lit, camera, picture_params(o));
+    run.announce(device, aa.executor());
     log::info("{} triangles, {} lights; scene {} MiB, graph {} MiB", lit.gpu().facts().triangles,
         lit.scene().lights.size(), lit.gpu().bytes() >> 20, aa.executor().plan().bytes_peak >> 20);
 
-    FrameTimes times;
     if (!o.common.stats.empty()) aa.execute(); // warms up: compiles kernels, touches memory
     Progress progress("frame", static_cast<std::size_t>(o.common.frames), o.common.quiet);
     for (int frame = 0; frame < o.common.frames; ++frame) {
         if (interrupted()) return 130;
         reload_shaders(device);
         aa.execute();
-        times.add(aa.executor().times());
+        run.add_times(aa.executor());
         progress.update(static_cast<std::size_t>(frame) + 1);
     }
     expect_no_validation_messages(device);
-    plan_with(times);
 
-    const std::string command = command_text(argc, argv);
-    const Image result = collect_picture(aa, o, command);
-    if (!o.common.output.empty()) {
-        save_image(o.common.output, result, o.common.exposure,
-            o.common.tonemap == "aces" ? Tonemap::aces : Tonemap::none);
-        log::info("wrote {}", o.common.output);
-    }
-    const auto captures = parse_captures(o.common);
-    for (std::size_t i = 0; i < captures.size(); ++i) {
-        write_capture(captures[i].second, aa.executor().read(aa.outputs().captures[i]));
-        log::info("wrote {}", captures[i].second);
-    }
-
+    const Image picture = collect_picture(aa, o);
+    run.save_picture(picture);
+    run.save_captures(aa.executor(), aa.outputs().captures);
     const AdaptiveAa::SampleCounts counts = aa.sample_counts();
-    std::optional<ImageError> error;
-    if (reference) error = image_error(result, *reference);
-    print_summary(times, counts, error);
-    if (!o.common.trace.empty()) {
-        write_text(o.common.trace,
-            times.to_trace(graph.declaration(), aa.executor().plan()).dump() + "\n");
-        log::info("wrote {}", o.common.trace);
-    }
-    if (!o.common.stats.empty()) {
-        nlohmann::ordered_json json = statistics(device, aa.executor().plan(), times);
-        json["command"] = command;
-        json["width"] = o.common.width;
-        json["height"] = o.common.height;
-        json["wall_ms"] = wall.milliseconds();
-        json["shading_gpu_ms"] = times.total_of(is_shading_pass);
-        json["samples"] = {{"percent", counts.percent}, {"mean_k", counts.mean},
-            {"histogram", counts.histogram}, {"lane_efficiency", counts.lane_efficiency},
-            {"shaded_percent", counts.shaded_percent}};
-        if (error) json["image"] = to_json(*error);
-        write_text(o.common.stats,
-            json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-        log::info("wrote {}", o.common.stats);
-    }
+    const std::optional<ImageError> error = run.error_of(picture);
+    print_summary(run.times(), counts, error);
+    run.report(device, aa.executor(),
+        {{"shading_gpu_ms", run.times().total_of(is_shading_pass)},
+            {"samples",
+                {{"percent", counts.percent}, {"mean_k", counts.mean},
+                    {"histogram", counts.histogram}, {"lane_efficiency", counts.lane_efficiency},
+                    {"shaded_percent", counts.shaded_percent}}}},
+        error);
     return 0;
 }
 

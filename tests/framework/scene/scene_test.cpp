@@ -87,6 +87,31 @@ TEST(LookAt, UpIsZWhereTheViewRunsAlongY) {
     EXPECT_EQ(look_at({0, 0, 0}, {0, 5, 0}, 60.0f).up, glm::vec3(0, 0, 1));
 }
 
+TEST(LookAt, UpMayBeZ) {
+    const Camera camera = look_at({0, -5, 0}, {0, 0, 0}, 60.0f, UpAxis::z);
+    EXPECT_EQ(camera.up, glm::vec3(0, 0, 1));
+    EXPECT_EQ(look_at({0, 0, 5}, {0, 0, 0}, 60.0f, UpAxis::z).up, glm::vec3(0, 1, 0));
+}
+
+TEST(Turned, CarriesTheCameraAroundTheCentre) {
+    const Camera camera = look_at({1, -4, 2}, {1, 2, 0}, 60.0f, UpAxis::z);
+    const Camera quarter = turned(camera, {1, 2, 0}, UpAxis::z, glm::radians(90.0f));
+    EXPECT_LT(glm::distance(quarter.position, glm::vec3(7, 2, 2)), 1e-5f) << "from front to right";
+    const Camera expected = look_at({7, 2, 2}, {1, 2, 0}, 60.0f, UpAxis::z);
+    EXPECT_LT(glm::distance(quarter.forward, expected.forward), 1e-6f);
+    EXPECT_LT(glm::distance(quarter.up, expected.up), 1e-6f);
+}
+
+TEST(DefaultCamera, LooksFromMinusYWhereZIsUp) {
+    Bounds bounds;
+    bounds.add({-1, -1, -1});
+    bounds.add({1, 1, 1});
+    const Camera camera = default_camera(bounds, UpAxis::z);
+    EXPECT_LT(camera.position.y, -1.0f);
+    EXPECT_GT(camera.position.z, 0.0f);
+    EXPECT_GT(camera.up.z, 0.9f);
+}
+
 TEST(DefaultCamera, SeesAllCornersOfTheBox) {
     Bounds bounds;
     bounds.add({-3, 1, 4});
