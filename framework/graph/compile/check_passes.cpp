@@ -3,6 +3,7 @@
 #include "framework/graph/describe.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace ockham {
 
@@ -61,7 +62,8 @@ class PassChecker {
 public:
     PassChecker(const Declaration& declaration, const Capabilities& capabilities)
         : declaration_(declaration), max_extent_(capabilities.max_attachment_extent),
-          last_use_(declaration.resources.size(), kNone) {
+          last_use_(declaration.resources.size(), kNone),
+          last_bound_(declaration.bindings.size(), kNone) {
         shapes_.reserve(declaration.resources.size());
         for (const ResourceDecl& resource : declaration.resources)
             shapes_.push_back({resource.kind, resource.image.format});
@@ -74,7 +76,7 @@ public:
         for (const Use& use : uses) {
             check_kind(pass, use);
             if (use.part != kNone) check_part(pass, use);
-            check_binding(pass, use, uses);
+            check_binding(pass, use);
             if (is_image(use)) check_format(pass, use);
             check_twice(pass, use, uses);
         }
@@ -102,6 +104,9 @@ private:
 
     bool is_image(const Use& use) const {
         return shapes_[use.resource].kind == ResourceKind::image;
+    }
+    std::uint32_t index_of(const Use& use) const {
+        return static_cast<std::uint32_t>(&use - declaration_.uses.data());
     }
     const ResourceDecl& resource_of(const Use& use) const {
         return declaration_.resources[use.resource];
@@ -153,19 +158,18 @@ private:
                 describe(pass), describe(resource), part.offset);
     }
 
-    void check_binding(const PassDecl& pass, const Use& use, std::span<const Use> uses) const {
+    void check_binding(const PassDecl& pass, const Use& use) {
         if (!in_shader(use.access)) return;
         if (use.binding == kNone)
             fail("missing-binding", "{} uses {} as {} without a name in its shader; give one",
                 describe(pass), describe(resource_of(use)), name_of(use.access));
-        for (const Use& other : uses) {
-            if (&other == &use) break;
-            if (other.binding != use.binding) continue;
-            if (other.resource != use.resource ||
-                part_of(declaration_, other) != part_of(declaration_, use))
-                fail("duplicate-binding", "{} binds both {} and {} to '{}'; rename one",
-                    describe(pass), what_of(other), what_of(use), declaration_.binding_of(use));
-        }
+        const std::uint32_t previous = std::exchange(last_bound_[use.binding], index_of(use));
+        if (previous == kNone || previous < pass.first_use) return;
+        const Use& other = declaration_.uses[previous];
+        if (other.resource != use.resource ||
+            part_of(declaration_, other) != part_of(declaration_, use))
+            fail("duplicate-binding", "{} binds both {} and {} to '{}'; rename one", describe(pass),
+                what_of(other), what_of(use), declaration_.binding_of(use));
     }
 
     std::string what_of(const Use& use) const {
@@ -193,8 +197,7 @@ private:
     /// A pass may use the same part of a resource several times only to read it, an image in one
     /// layout.
     void check_twice(const PassDecl& pass, const Use& use, std::span<const Use> uses) {
-        const std::uint32_t previous = last_use_[use.resource];
-        last_use_[use.resource] = static_cast<std::uint32_t>(&use - declaration_.uses.data());
+        const std::uint32_t previous = std::exchange(last_use_[use.resource], index_of(use));
         if (previous == kNone || previous < pass.first_use) return;
         for (const Use& other : uses) {
             if (&other == &use) break;
@@ -269,9 +272,10 @@ private:
     };
 
     const Declaration& declaration_;
-    std::vector<Shape> shapes_;           ///< per resource
-    std::uint32_t max_extent_;            ///< of attachments
-    std::vector<std::uint32_t> last_use_; ///< per resource: index of its latest use so far
+    std::vector<Shape> shapes_;             ///< per resource
+    std::uint32_t max_extent_;              ///< of attachments
+    std::vector<std::uint32_t> last_use_;   ///< per resource: index of its latest use so far
+    std::vector<std::uint32_t> last_bound_; ///< per name of a binding: index of its latest use
 };
 
 } // namespace
