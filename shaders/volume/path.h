@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// A path of light between two iterations: all that its next one needs. Kernels store it where their
+// budget of iterations ends and go on with it in the next dispatch.
+#ifndef OCKHAM_SHADERS_VOLUME_PATH_H
+#define OCKHAM_SHADERS_VOLUME_PATH_H
+
+#include "shared/types.h"
+
+OCKHAM_SHARED_BEGIN
+
+#define PATH_ENDED 0u  // radiance is the estimate; also what zeroed memory says
+#define PATH_FLIGHT 1u // looks for the next collision
+#define PATH_SHADOW 2u // looks how much of the light arrives at the last one
+
+struct Path {
+    vec3 radiance;       ///< estimate so far
+    vec3 throughput;     ///< of the flight; 0: the path ends with its shadow ray
+    vec3 origin;         ///< world, of the flight and of the shadow ray
+    vec3 direction;      ///< of the flight
+    vec3 pending;        ///< what the light adds at the origin where nothing stands between
+    vec3 to_light;       ///< direction of the shadow ray
+    float transmittance; ///< of the shadow ray up to t
+    float t;             ///< how far the ray has come; < 0: it has not begun
+    float depth;         ///< optical depth, under the majorants, to the next tentative collision
+    float pdf;           ///< of the direction, per steradian; < 0: no sampled light competes with it
+    float search;        ///< up to where no surface is; < 0: the ray may begin in a solid
+    uint cell;           ///< that t lies in, packed
+    uint stage;          ///< PATH_*
+    uint bounces;        ///< scatterings so far
+    uvec4 random;        ///< seed, stream, sample, next set
+};
+OCKHAM_SHARED_SIZE(Path, 120);
+
+OCKHAM_SHARED_END
+
+#endif
