@@ -60,6 +60,19 @@ void next_cell(inout CellWalk walk) {
     walk.exits[axis] = wall_crossing(walk, axis);
 }
 
+/// The cell of a walk that is interrupted, and the walk that goes on there: at most 1022 cells along
+/// each axis, and one around the box.
+uint pack_cell(CellWalk walk) {
+    uvec3 cell = uvec3(clamp(walk.cell, ivec3(-1), ivec3(1022)) + 1);
+    return cell.x | cell.y << 10 | cell.z << 20;
+}
+CellWalk resume_walk(vec3 unit_origin, vec3 unit_direction, uint packed_cell) {
+    CellWalk walk = walk_cells(unit_origin, unit_direction, 0.0);
+    walk.cell = ivec3(packed_cell & 1023u, packed_cell >> 10 & 1023u, packed_cell >> 20) - 1;
+    walk.exits = vec3(wall_crossing(walk, 0), wall_crossing(walk, 1), wall_crossing(walk, 2));
+    return walk;
+}
+
 /// Extinction per world unit that is nowhere exceeded in a cell.
 float cell_majorant(uint cell) {
 #ifdef GRID

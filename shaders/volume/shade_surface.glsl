@@ -2,11 +2,18 @@
 // Local shading of a hit on an isosurface: one directional light, seen through medium and surfaces,
 // and an environment that is not occluded.
 //   L = f(v, l) cos E T  +  diffuse albedo * mean environment
-// Before surface_gain. T, the visibility, is found step by step under a loop budget; paths that have
-// a shadow ray of their own take the two other terms alone. Include after volume/surface.glsl,
+// before surface_gain. T, the visibility, is found under a loop budget; paths that have a shadow ray
+// of their own take the other terms alone. Include after volume/cells.glsl, volume/surface.glsl,
 // include/iso_bsdf.glsl and include/random.glsl.
 #ifndef OCKHAM_VOLUME_SHADE_SURFACE_GLSL
 #define OCKHAM_VOLUME_SHADE_SURFACE_GLSL
+
+/// World units from a hit to where the same crossing is not met again: a hundredth of a voxel.
+float beyond_hit() {
+    vec3 voxel = vec3(length(frame.data.world_from_unit[0]), length(frame.data.world_from_unit[1]),
+                     length(frame.data.world_from_unit[2])) / vec3(frame.data.dims);
+    return 0.01 * min(min(voxel.x, voxel.y), voxel.z);
+}
 
 /// Surfaces are shaded on the side that is seen.
 vec3 facing_normal(SurfaceHit hit, vec3 view) {
@@ -28,76 +35,64 @@ vec3 reflected_environment(SurfaceHit hit) {
     return diffuse * material.base_color * frame.data.environment;
 }
 
-/// How much of the directional light arrives at a point, so far. Begin with begin_visibility().
+/// How much of the directional light arrives at a point, so far.
 struct Visibility {
     float value;
-    float t;      // from the point on, towards the light: all before is counted
-    uint cell;    // where `t` is, packed
-    bool medium;  // the surfaces are counted, the medium is under way
+    float t;     // towards the light: all before is counted
+    uint cell;   // where t is, packed
+    bool medium; // the surfaces are counted, the medium is under way
 };
 
-const float kShadowOffset = 0.01; // voxels: beyond rounding of the hit, within its cell
+Visibility begin_visibility() { return Visibility(1.0, 0.0, 0u, false); }
 
-/// Longest step, in world units, that stays within a voxel along each axis.
-float voxel_length() {
-    vec3 edges = vec3(length(frame.data.world_from_unit[0]), length(frame.data.world_from_unit[1]),
-                     length(frame.data.world_from_unit[2])) / vec3(frame.data.dims);
-    return min(min(edges.x, edges.y), edges.z);
+/// Where to begin: beside the hit, on the light's side.
+vec3 shadow_origin(SurfaceHit hit, vec3 position) {
+    return off_surface(position, hit.normal, -frame.data.light_direction);
 }
 
-Visibility begin_visibility() { return Visibility(1.0, kShadowOffset * voxel_length(), 0u, false); }
-
-uint pack_cell(ivec3 cell) {
-    uvec3 c = uvec3(clamp(cell, ivec3(0), ivec3(1023)));
-    return c.x | c.y << 10 | c.z << 20;
-}
-ivec3 unpack_cell(uint cell) { return ivec3(cell & 1023u, cell >> 10 & 1023u, cell >> 20); }
-
-/// Goes on towards the light from `origin` (world, inside the box): surfaces first, each lets
-/// 1 - opacity through, then the medium by ratio tracking with local majorants, ended by Russian
-/// roulette where little is left. True: it is done. False: the budget is used up, call again with
-/// the same origin. Whatever the budgets, the value is the same, provided that find_surface() can
-/// finish within one.
-bool advance_visibility(
-    inout Visibility seen, vec3 origin, inout Random random, inout uint budget) {
+/// Goes on towards the light from `origin`, where shadow_origin() says: surfaces first, each lets
+/// 1 - opacity through, then the medium, by ratio tracking with local majorants and Russian roulette
+/// where little is left. True: it is done. False: the budget is used up, call again with the same
+/// origin and random numbers. The value does not depend on the budgets.
+bool advance_visibility(inout Visibility seen, vec3 origin, inout Random random, inout uint budget) {
     vec3 direction = -frame.data.light_direction;
     float near, far;
     vec3 entry_normal;
-    bool inside = clip_ray(origin, direction, near, far, entry_normal);
-    if (!inside || seen.t >= far) return true;
+    if (!clip_ray(origin, direction, near, far, entry_normal)) return true;
+
+    bool searching = !seen.medium;
+    if (searching) seen.t = max(seen.t, near);
+    while (searching && budget > 0u) {
+        SurfaceHit hit;
+        bool met = find_surface(origin, direction, seen.t, far, false, entry_normal, budget, hit);
+        seen.t = hit.t;
+        if (met) {
+            seen.value *= 1.0 - frame.data.surfaces[hit.surface].opacity;
+            seen.t += beyond_hit();
+        }
+        searching = seen.t < far && seen.value > 0.0;
+    }
+    if (seen.value == 0.0) return true;
+    if (searching) return false;
 
     vec3 o = unit_from_world(origin), d = unit_from_world_direction(direction);
-    if (!seen.medium) {
-        SurfaceHit hit;
-        bool met = true;
-        while (met && seen.value > 0.0 && budget > 0u) {
-            --budget;
-            met = find_surface(origin, direction, seen.t, far, false, entry_normal, budget, hit);
-            if (met) {
-                seen.value *= 1.0 - frame.data.surfaces[hit.surface].opacity;
-                seen.t = hit.t + kShadowOffset * voxel_length();
-            }
-        }
-        if (seen.value == 0.0) return true;
-        if (met || budget == 0u) return false;
+    CellWalk walk = walk_cells(o, d, near);
+    if (seen.medium) {
+        walk = resume_walk(o, d, seen.cell);
+    } else {
         seen.medium = true;
         seen.t = near;
-        seen.cell = pack_cell(walk_cells(o, d, near).cell);
     }
-
-    CellWalk walk = walk_cells(o, d, seen.t);
-    walk.cell = unpack_cell(seen.cell);
-    walk.exits = vec3(wall_crossing(walk, 0), wall_crossing(walk, 1), wall_crossing(walk, 2));
     bool done = false;
     while (!done && budget > 0u) {
         --budget;
         float exit = min(majorant_exit(walk), far);
         float majorant = cell_majorant(cell_index(walk));
         vec4 xi = next4(random);
-        float step = majorant > 0.0 ? -log(xi.x) / majorant : kInfinity;
-        if (seen.t + step < exit) {
-            seen.t += step;
-            seen.value *= max(1.0 - medium_of(field(o + seen.t * d)).sigma_t / majorant, 0.0);
+        float t = majorant > 0.0 ? seen.t - log(xi.x) / majorant : kInfinity;
+        if (t < exit) {
+            seen.t = t;
+            seen.value *= max(1.0 - medium_of(field(o + t * d)).sigma_t / majorant, 0.0);
             if (seen.value < 0.1) seen.value = xi.y < 10.0 * seen.value ? 0.1 : 0.0;
             done = seen.value == 0.0;
         } else {
@@ -106,7 +101,7 @@ bool advance_visibility(
             next_cell(walk);
         }
     }
-    if (!done) seen.cell = pack_cell(walk.cell);
+    seen.cell = pack_cell(walk);
     return done;
 }
 
