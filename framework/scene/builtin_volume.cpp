@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 namespace ockham {
 
@@ -62,59 +63,57 @@ struct Ball {
     double radius;
 };
 
-/// The bubbles that a cumulus is made of: a heap on a flat base, each of its balls with smaller
-/// ones on its upper side. In units of the box's longest side, z from 0 at the bottom.
+constexpr std::size_t kRoots = 9, kChildren = 7;
+
+/// The bubbles that a cumulus is made of: a heap of nine, each with seven smaller ones on its upper
+/// side, and these again. The children of ball i begin at kRoots + kChildren * i. In units of the
+/// box's longest side, z from 0 at the bottom.
 std::vector<Ball> cloud_balls() {
-    std::vector<Ball> balls{{{0.50, 0.50, 0.30}, 0.190}, {{0.33, 0.46, 0.24}, 0.135},
-        {{0.68, 0.54, 0.25}, 0.145}, {{0.50, 0.31, 0.23}, 0.125}, {{0.48, 0.69, 0.22}, 0.125},
-        {{0.57, 0.52, 0.44}, 0.130}, {{0.42, 0.50, 0.40}, 0.105}, {{0.21, 0.50, 0.19}, 0.075},
-        {{0.80, 0.47, 0.19}, 0.080}};
-    std::size_t first = 0;
-    for (std::uint32_t generation = 0; generation < 2; ++generation) {
-        const std::size_t last = balls.size();
-        for (std::size_t parent = first; parent < last; ++parent)
-            for (int child = 0; child < 7; ++child) {
-                const Ball ball = balls[parent];
-                const auto number = [&](int which) {
-                    return (hash({static_cast<int>(parent), child, which}, generation) >> 8) *
-                           0x1p-24;
-                };
-                glm::dvec3 way(number(0) - 0.5, number(1) - 0.5, number(2) - 0.25);
-                way = way / std::sqrt(glm::dot(way, way) + 1e-6);
-                balls.push_back({ball.center + way * (0.85 * ball.radius),
-                    ball.radius * (0.35 + 0.25 * number(3))});
-            }
-        first = last;
-    }
+    std::vector<Ball> balls{{{0.50, 0.50, 0.26}, 0.220}, {{0.30, 0.45, 0.19}, 0.157},
+        {{0.71, 0.55, 0.20}, 0.168}, {{0.50, 0.28, 0.17}, 0.145}, {{0.48, 0.72, 0.16}, 0.145},
+        {{0.58, 0.52, 0.42}, 0.151}, {{0.41, 0.50, 0.37}, 0.122}, {{0.17, 0.50, 0.13}, 0.087},
+        {{0.84, 0.47, 0.13}, 0.093}};
+    constexpr std::size_t kParents = kRoots + kRoots * kChildren;
+    for (std::size_t parent = 0; parent < kParents; ++parent)
+        for (std::size_t child = 0; child < kChildren; ++child) {
+            const Ball ball = balls[parent];
+            const auto number = [&](int which) { // [0, 1)
+                return (hash({int(parent), int(child), which}, 0) >> 8) * 0x1p-24;
+            };
+            glm::dvec3 way(number(0) - 0.5, number(1) - 0.5, number(2) - 0.25);
+            way = way / std::sqrt(glm::dot(way, way) + 1e-6);
+            balls.push_back({ball.center + way * (0.85 * ball.radius),
+                ball.radius * (0.35 + 0.25 * number(3))});
+        }
     return balls;
 }
 
-/// Distance into the nearest ball, positive inside.
-double depth_in(const std::vector<Ball>& balls, glm::dvec3 p) {
-    double depth = -1;
-    for (const Ball& ball : balls) {
-        const glm::dvec3 d = p - ball.center;
-        const double reach = ball.radius - depth;
-        if (reach <= 0 || glm::dot(d, d) >= reach * reach) continue;
-        depth = ball.radius - std::sqrt(glm::dot(d, d));
-    }
-    return depth;
+/// Raises `depth` to that below the surface of ball i and those that descend from it; these reach
+/// no farther than 0.85 + 0.6 * (0.85 + 0.6) = 1.72 of its radius.
+void deepen(const std::vector<Ball>& balls, std::size_t i, glm::dvec3 p, double& depth) {
+    const glm::dvec3 d = p - balls[i].center;
+    const double reach = 1.72 * balls[i].radius - depth;
+    if (glm::dot(d, d) > reach * reach) return;
+    depth = std::max(depth, balls[i].radius - std::sqrt(glm::dot(d, d)));
+    const std::size_t first = kRoots + kChildren * i;
+    if (first >= balls.size()) return;
+    for (std::size_t child = 0; child < kChildren; ++child) deepen(balls, first + child, p, depth);
 }
 
 /// 0 to 1 at a point of the cloud's box.
 double cloud_density(const std::vector<Ball>& balls, glm::dvec3 p) {
-    constexpr double kBase = 0.13;   // height of the flat underside
-    constexpr double kRelief = 0.07; // how far billows move the surface
-    const double depth = depth_in(balls, p);
-    if (depth < -kRelief || p.z < kBase - 0.03) return 0;
-    const double puff = billows(p * 9.0, 5, 1);
-    double inside = depth + kRelief * (0.9 - 2.0 * puff);
-    const double base = p.z - kBase + 0.02 * gradient_noise(p * 11.0, 20);
-    inside = std::min(inside, 0.5 * base);
+    constexpr double kBase = 0.07;   // height of the flat underside
+    constexpr double kRelief = 0.05; // how far billows move the surface
+    double depth = -kRelief;
+    for (std::size_t root = 0; root < kRoots; ++root) deepen(balls, root, p, depth);
+    const double base = p.z - kBase + 0.015 * gradient_noise(p * 11.0, 20);
+    if (depth <= -kRelief || base <= 0) return 0;
+    const double puff = billows(p * 10.0, 5, 1);
+    const double inside = std::min(depth + kRelief * (2.3 * puff - 0.5), 0.6 * base);
     if (inside <= 0) return 0;
-    // Wisps: the rim is thin, and eaten away by finer noise the thinner it is.
-    const double rim = smooth(0.0, 0.05, inside);
-    const double eaten = 0.9 * billows(p * 34.0, 3, 40) * (1.0 - rim);
+    // Wisps: finer noise eats the rim away, the more so the thinner it is.
+    const double rim = smooth(0.0, 0.045, inside);
+    const double eaten = 0.85 * billows(p * 37.0, 3, 40) * (1.0 - rim);
     const double core = 0.75 + 0.25 * gradient_noise(p * 6.0, 60);
     return std::clamp((rim - eaten) / (1.0 - eaten), 0.0, 1.0) * core;
 }

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "framework/core/error.hpp"
+#include "framework/scene/builtin_volume.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace ockham {
+namespace {
+
+/// FNV-1a of the voxels.
+std::uint64_t hash_of(const Volume& volume) {
+    std::uint64_t value = 0xcbf29ce484222325ull;
+    for (const std::byte byte : volume.voxels)
+        value = (value ^ std::to_integer<std::uint64_t>(byte)) * 0x100000001b3ull;
+    return value;
+}
+
+double share_of_zeros(const Volume& volume) {
+    return double(std::count(volume.voxels.begin(), volume.voxels.end(), std::byte{0})) /
+           double(volume.voxel_count());
+}
+
+TEST(BuiltinVolumeTest, IsValid) {
+    for (const char* name : {"builtin:cloud", "builtin:shells", "builtin:slab", "builtin:constant"})
+        for (const std::uint32_t side : {1u, 2u, 7u, 65u}) {
+            const Volume volume = builtin_volume(name, side);
+            EXPECT_NO_THROW(validate(volume)) << name << ' ' << side;
+            EXPECT_EQ(volume.name, name);
+            EXPECT_EQ(volume.dims.x, side);
+        }
+}
+
+TEST(BuiltinVolumeTest, IsTheSameOnEveryMachine) {
+    EXPECT_EQ(hash_of(builtin_volume("builtin:cloud", 48)), 2565200929695993443ull);
+    EXPECT_EQ(hash_of(builtin_volume("builtin:shells", 48)), 11965771227480636525ull);
+}
+
+TEST(BuiltinVolumeTest, CloudIsEmptyAround) {
+    const Volume volume = builtin_volume("builtin:cloud");
+    EXPECT_EQ(volume.dims, glm::uvec3(128, 128, 96));
+    EXPECT_GT(share_of_zeros(volume), 0.75);
+    EXPECT_LT(share_of_zeros(volume), 0.9);
+    const glm::ivec3 last = glm::ivec3(volume.dims) - 1;
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < 128 * 128; ++i) {
+            glm::ivec3 voxel(i % 128);
+            voxel[(axis + 1) % 3] = i / 128;
+            voxel[axis] = 0;
+            ASSERT_EQ(volume.at(voxel), 0) << axis << ' ' << i;
+            voxel[axis] = last[axis];
+            ASSERT_EQ(volume.at(voxel), 0) << axis << ' ' << i;
+        }
+}
+
+/// Most of the cloud is dense, most of its height is above the widest row, and its underside flat.
+TEST(BuiltinVolumeTest, CloudIsACumulus) {
+    const Volume volume = builtin_volume("builtin:cloud", 64);
+    std::vector<int> filled(volume.dims.z); // voxels of a layer
+    for (int z = 0; z < int(volume.dims.z); ++z)
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x) filled[std::size_t(z)] += volume.at({x, y, z}) > 64;
+    const auto widest = std::max_element(filled.begin(), filled.end());
+    const auto lowest = std::find_if(filled.begin(), filled.end(), [](int n) { return n > 0; });
+    const auto highest = std::find_if(filled.rbegin(), filled.rend(), [](int n) { return n > 0; });
+    const auto height = highest.base() - lowest;
+    EXPECT_GT(height, 28);
+    EXPECT_LT(widest - lowest, height / 3);
+    EXPECT_GT(*(lowest + 2), *widest / 2);
+}
+
+TEST(BuiltinVolumeTest, ShellsAreOneToEightVoxelsThick) {
+    const Volume volume = builtin_volume("builtin:shells", 128);
+    // Along the row through the centre, from outside: thickness at half of the value, and gaps.
+    double level = 0, entered = 0;
+    std::vector<double> thickness;
+    for (double x = 0.5; x < 64; x += 1.0 / 64) {
+        const double value = volume.sample({x / 128, 0.5, 0.5});
+        if (level < 127.5 && value >= 127.5) entered = x;
+        if (level >= 127.5 && value < 127.5) thickness.push_back(x - entered);
+        level = value;
+    }
+    ASSERT_EQ(thickness.size(), 8u);
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_NEAR(thickness[i], double(i + 1), 0.15) << i;
+}
+
+/// A walker that moves between voxels of at least 100 meets no way out of the outermost shell: the
+/// field along the shell's middle is above 100 everywhere.
+TEST(BuiltinVolumeTest, TheThinnestShellHasNoHoles) {
+    const Volume volume = builtin_volume("builtin:shells", 128);
+    constexpr double kRadius = 64 - 2 - 0.5;
+    double least = 255;
+    for (int i = 0; i < 200000; ++i) { // a spiral of equal areas
+        const double z = 1 - (i + 0.5) / 100000.0;
+        const double angle = i * 2.399963229728653;
+        const double r = std::sqrt(1 - z * z);
+        const glm::dvec3 way(r * std::cos(angle), r * std::sin(angle), z);
+        least = std::min(least, volume.sample(0.5 + way * (kRadius / 128)));
+    }
+    EXPECT_GT(least, 100);
+}
+
+TEST(BuiltinVolumeTest, ShellsLeaveOutWhatDoesNotFit) {
+    const Volume volume = builtin_volume("builtin:shells", 32);
+    EXPECT_EQ(volume.sample({0.5, 0.5, 0.5}), 0);
+    EXPECT_GT(share_of_zeros(volume), 0.5);
+    EXPECT_EQ(*std::max_element(volume.voxels.begin(), volume.voxels.end()), std::byte{255});
+}
+
+TEST(BuiltinVolumeTest, SlabAndConstantAreOne) {
+    for (const std::uint32_t side : {16u, 64u, 128u, 200u}) {
+        const Volume slab = builtin_volume("builtin:slab", side);
+        EXPECT_EQ(place_of(slab).edges, glm::dmat3({1, 0, 0}, {0, 1, 0}, {0, 0, 1.0 / 64}));
+        EXPECT_EQ(value_range(slab).lowest, 1);
+        EXPECT_EQ(value_range(slab).highest, 1);
+    }
+    const Volume constant = builtin_volume("builtin:constant", 8);
+    EXPECT_EQ(constant.dims, glm::uvec3(8));
+    EXPECT_EQ(value_range(constant).lowest, 1);
+    EXPECT_EQ(value_range(constant).highest, 1);
+}
+
+TEST(BuiltinVolumeTest, RefusesOtherNamesAndSides) {
+    const auto refusal = [](const std::string& name, std::uint32_t side) -> std::string {
+        try {
+            builtin_volume(name, side);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "made";
+    };
+    EXPECT_EQ(refusal("builtin:fog", 8), "no volume 'builtin:fog': there are builtin:cloud, "
+                                         "builtin:shells, builtin:slab, builtin:constant");
+    EXPECT_EQ(
+        refusal("builtin:cloud", 0), "volume 'builtin:cloud': 0 voxels a side, expected 1 to 1024");
+    EXPECT_EQ(refusal("builtin:cloud", 1025),
+        "volume 'builtin:cloud': 1025 voxels a side, expected 1 to 1024");
+}
+
+} // namespace
+} // namespace ockham
