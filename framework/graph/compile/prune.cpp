@@ -3,6 +3,7 @@
 // others on other resources. A matrix of clocks per queue says exactly what is ordered so far:
 // row t, column s: everything earlier than that, in stage s, comes before what follows in stage t.
 #include "framework/graph/compile/drafts.hpp"
+#include "framework/graph/compile/stage_sets.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,74 +13,6 @@
 namespace ockham {
 
 namespace {
-
-/// A set of stages, one bit each.
-using Stages = std::uint16_t;
-
-/// In an order in which none is logically earlier than one before it in the same pipeline.
-constexpr std::array<VkPipelineStageFlags2, 11> kStages{VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
-    VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, VK_PIPELINE_STAGE_2_VERTEX_ATTRIBUTE_INPUT_BIT,
-    VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT,
-    VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT, VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
-    VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-    VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_PIPELINE_STAGE_2_HOST_BIT};
-constexpr std::uint32_t kCompute = 8, kTransfer = 9, kHost = 10, kOther = 11;
-constexpr std::uint32_t kRow = 16; ///< stages of one queue in a row of clocks, and padding
-constexpr Stages kCommands = (1u << kHost) - 1;
-constexpr Stages kAll = (1u << (kOther + 1)) - 1;
-
-/// Indexed by the bit of Vulkan's flag.
-constexpr auto kIndexOf = [] {
-    std::array<std::uint8_t, 64> index{};
-    index.fill(kOther);
-    for (std::uint8_t i = 0; i < kStages.size(); ++i)
-        index[static_cast<std::size_t>(std::countr_zero(kStages[i]))] = i;
-    return index;
-}();
-
-Stages stages_of(VkPipelineStageFlags2 flags) {
-    if (flags & VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT) return kAll & ~(1u << kHost);
-    Stages stages = 0;
-    for (; flags; flags &= flags - 1)
-        stages |=
-            static_cast<Stages>(1u << kIndexOf[static_cast<std::size_t>(std::countr_zero(flags))]);
-    return stages;
-}
-VkPipelineStageFlags2 flags_of(Stages stages) {
-    VkPipelineStageFlags2 flags = 0;
-    for (std::uint32_t i = 0; i < kStages.size(); ++i)
-        if (stages >> i & 1) flags |= kStages[i];
-    return flags;
-}
-
-/// Calls visit(index) for each stage of the set.
-template <class Visit>
-void each(std::uint32_t stages, Visit visit) {
-    for (; stages; stages &= stages - 1)
-        visit(static_cast<std::uint32_t>(std::countr_zero(stages)));
-}
-
-/// Every stage with those logically earlier (later) in its pipelines: execution scopes include
-/// them. https://docs.vulkan.org/spec/latest/chapters/synchronization.html
-constexpr auto kEarlier = [] {
-    std::array<Stages, kRow> sets{};
-    for (std::uint32_t i = 0; i < kRow; ++i) sets[i] = static_cast<Stages>(1u << i);
-    for (std::uint32_t i = 1; i < kCompute; ++i) sets[i] |= static_cast<Stages>(sets[i] - 1);
-    sets[kCompute] |= 1;
-    return sets;
-}();
-constexpr auto kLater = [] {
-    std::array<Stages, kRow> sets{};
-    for (std::uint32_t i = 0; i < kRow; ++i)
-        for (std::uint32_t k = 0; k < kRow; ++k)
-            if (kEarlier[k] >> i & 1) sets[i] |= static_cast<Stages>(1u << k);
-    return sets;
-}();
-Stages with(const std::array<Stages, kRow>& sets, Stages stages) {
-    Stages all = stages;
-    each(stages, [&](std::uint32_t i) { all |= sets[i]; });
-    return all;
-}
 
 constexpr Time kNever = std::numeric_limits<Time>::min() / 2;
 
@@ -129,7 +62,7 @@ public:
     Pruner(const Plan& plan, const std::vector<Draft>& drafts, const std::vector<Past>& pasts)
         : plan_(plan), drafts_(drafts), pasts_(pasts),
           queues_(std::max(static_cast<std::uint32_t>(plan.queues.size()), 1u)),
-          width_(queues_ * kRow), period_(period_of(plan)) {
+          width_(queues_ * kStageRow), period_(period_of(plan)) {
         given_.reserve(drafts.size());
         for (std::size_t i = 0; i < drafts.size(); ++i)
             given_.push_back(
@@ -181,7 +114,7 @@ private:
     };
 
     Time* row(std::uint32_t queue, std::uint32_t stage) {
-        return &clocks_[std::size_t{queue * kRow + stage} * width_];
+        return &clocks_[std::size_t{queue * kStageRow + stage} * width_];
     }
     /// The row as the batch leaves it, as far as is settled.
     Time* next_row(std::uint32_t stage) { return &next_[std::size_t{stage} * width_]; }
@@ -201,7 +134,7 @@ private:
     /// One execution. Returns the clocks that it leaves for the next.
     Knowledge walk(const Knowledge& entry, bool without_looking_back) {
         clocks_ = entry.clocks;
-        next_.resize(std::size_t{kRow} * width_);
+        next_.resize(std::size_t{kStageRow} * width_);
         choices_ = given_;
         without_looking_back_ = without_looking_back;
         available_.clear();
@@ -243,7 +176,7 @@ private:
         for (std::uint32_t w = 0; w < submission.wait_count; ++w) {
             const Wait& wait = plan_.waits[submission.first_wait + w];
             const Time* const known = &snapshots_[done[wait.queue][wait.value - 1] * width_];
-            each(with(kLater, stages_of(wait.stages)),
+            each_stage(with(kLaterStages, stages_of(wait.stages)),
                 [&](std::uint32_t stage) { join(row(submission.queue, stage), known); });
         }
     }
@@ -252,9 +185,9 @@ private:
     void snapshot(std::uint32_t submission, std::uint32_t end_step) {
         Time* const known = &snapshots_[submission * width_];
         std::fill(known, known + width_, kNever);
-        for (std::uint32_t stage = 0; stage < kRow; ++stage) join(known, row(queue_, stage));
-        Time* const own = known + queue_ * kRow;
-        std::fill(own, own + kRow, time_of(end_step));
+        for (std::uint32_t stage = 0; stage < kStageRow; ++stage) join(known, row(queue_, stage));
+        Time* const own = known + queue_ * kStageRow;
+        std::fill(own, own + kStageRow, time_of(end_step));
     }
 
     Knowledge leave(const std::vector<std::vector<std::uint32_t>>& done) {
@@ -262,15 +195,16 @@ private:
             for (std::uint32_t other = 0; other < queues_; ++other) {
                 if (other == q || done[other].empty()) continue;
                 const Time* const known = &snapshots_[done[other].back() * width_];
-                for (std::uint32_t stage = 0; stage <= kOther; ++stage) join(row(q, stage), known);
+                for (std::uint32_t stage = 0; stage <= kOtherStage; ++stage)
+                    join(row(q, stage), known);
             }
         for (std::uint32_t q = 0; q < queues_; ++q)
-            for (std::uint32_t stage = 0; stage < kRow; ++stage) {
+            for (std::uint32_t stage = 0; stage < kStageRow; ++stage) {
                 Time* const clocks = row(q, stage);
                 for (std::uint32_t i = 0; i < width_; ++i) {
                     // What an execution does not order anew is not relied on.
                     clocks[i] = clocks[i] < 1 ? kNever : clocks[i] - period_;
-                    if (i / kRow != q && stage <= kOther) clocks[i] = 0;
+                    if (i / kStageRow != q && stage <= kOtherStage) clocks[i] = 0;
                 }
             }
         Knowledge knowledge{clocks_, {}};
@@ -291,18 +225,18 @@ private:
 
     /// A row's worth at a time and without references, which compilers turn into vectors.
     void join(Time* __restrict a, const Time* __restrict b) const {
-        for (const Time* const end = a + width_; a != end; a += kRow, b += kRow)
-            for (std::uint32_t i = 0; i < kRow; ++i) a[i] = a[i] < b[i] ? b[i] : a[i];
+        for (const Time* const end = a + width_; a != end; a += kStageRow, b += kStageRow)
+            for (std::uint32_t i = 0; i < kStageRow; ++i) a[i] = a[i] < b[i] ? b[i] : a[i];
     }
 
     /// Whether what the past did in stage `s` comes before everything that the row stands for.
     static bool after(const Time* row, const Past& past, std::uint32_t s) {
-        return row[past.queue * kRow + s] > past.when;
+        return row[past.queue * kStageRow + s] > past.when;
     }
     /// The same once a barrier from `src` is put in.
     bool reaches(Stages src, const Past& past, std::uint32_t s) {
-        bool found = past.queue == queue_ && (with(kEarlier, src) >> s & 1);
-        each(with(kEarlier, src),
+        bool found = past.queue == queue_ && (with(kEarlierStages, src) >> s & 1);
+        each_stage(with(kEarlierStages, src),
             [&](std::uint32_t u) { found = found || after(row(queue_, u), past, s); });
         return found;
     }
@@ -314,8 +248,8 @@ private:
              i = available_[i].before) {
             const Available& available = available_[i].available;
             bool found = available.to >> t & 1;
-            each(available.to, [&](std::uint32_t d) {
-                found = found || newest(t)[queue_ * kRow + d] > available.at;
+            each_stage(available.to, [&](std::uint32_t d) {
+                found = found || newest(t)[queue_ * kStageRow + d] > available.at;
             });
             if (found) return true;
         }
@@ -326,8 +260,8 @@ private:
     template <class Visit>
     void each_open(std::size_t index, Visit visit) {
         for (const Past& past : pasts_of(drafts_[index]))
-            each(stages_of(past.stages), [&](std::uint32_t s) {
-                each(given_[index].dst, [&](std::uint32_t t) {
+            each_stage(stages_of(past.stages), [&](std::uint32_t s) {
+                each_stage(given_[index].dst, [&](std::uint32_t t) {
                     if (!after(newest(t), past, s) || !is_available(past, t)) visit(past, s, t);
                 });
             });
@@ -350,7 +284,7 @@ private:
             }
         }
         choose_light(time_of(step));
-        each(touched_, [&](std::uint32_t stage) {
+        each_stage(touched_, [&](std::uint32_t stage) {
             std::copy(next_row(stage), next_row(stage) + width_, row(queue_, stage));
         });
         return end;
@@ -386,7 +320,7 @@ private:
         const auto any = [&](std::uint32_t t, auto does) {
             return std::any_of(light_.begin(), light_.end(), [&](std::uint32_t i) {
                 return i != index && !choices_[i].dead &&
-                       (with(kLater, choices_[i].dst) >> t & 1) && does(i);
+                       (with(kLaterStages, choices_[i].dst) >> t & 1) && does(i);
             });
         };
         bool implied = true;
@@ -408,7 +342,7 @@ private:
     /// Takes away what is ordered already, and stages through which others are reached anyway.
     void narrow(std::uint32_t index) {
         Choice& choice = choices_[index];
-        if ((choice.src | choice.dst) >> kOther & 1) return;
+        if ((choice.src | choice.dst) >> kOtherStage & 1) return;
         Stages src = 0, dst = 0;
         bool flushes = false;
         each_open(index, [&](const Past& past, std::uint32_t s, std::uint32_t t) {
@@ -420,9 +354,9 @@ private:
         choice.flushes = false;
         choice.src = src;
         choice.dst = dst;
-        each(dst, [&](std::uint32_t t) {
+        each_stage(dst, [&](std::uint32_t t) {
             const auto rest = static_cast<Stages>(choice.dst & ~(1u << t));
-            if (with(kLater, rest) >> t & 1) choice.dst = rest;
+            if (with(kLaterStages, rest) >> t & 1) choice.dst = rest;
         });
         narrow_src(index);
     }
@@ -432,15 +366,15 @@ private:
         Choice& choice = choices_[index];
         const auto pasts = pasts_of(drafts_[index]);
         if (std::has_single_bit(choice.src) || choice.flushes || pasts.empty() ||
-            choice.src >> kOther & 1)
+            choice.src >> kOtherStage & 1)
             return;
         const Stages needed = choice.src;
-        each(needed, [&](std::uint32_t s) {
+        each_stage(needed, [&](std::uint32_t s) {
             const auto rest = static_cast<Stages>(choice.src & ~(1u << s));
             if (!rest) return;
             for (const Past& past : pasts) {
                 bool reached = true;
-                each(static_cast<Stages>(stages_of(past.stages) & needed),
+                each_stage(static_cast<Stages>(stages_of(past.stages) & needed),
                     [&](std::uint32_t k) { reached = reached && reaches(rest, past, k); });
                 if (!reached) return;
             }
@@ -455,15 +389,15 @@ private:
         if (choice.flushes)
             for (const Past& past : pasts_of(drafts_[index])) {
                 if (past.write == kNone) continue;
-                add_available({past.write, now, with(kLater, choice.dst)});
+                add_available({past.write, now, with(kLaterStages, choice.dst)});
             }
-        std::array<Time, 8 * kRow> known;
-        const Stages src = with(kEarlier, choice.src);
+        std::array<Time, 8 * kStageRow> known;
+        const Stages src = with(kEarlierStages, choice.src);
         const Time* const first = row(queue_, static_cast<std::uint32_t>(std::countr_zero(src)));
         std::copy(first, first + width_, known.begin());
-        each(src & (src - 1u), [&](std::uint32_t s) { join(known.data(), row(queue_, s)); });
-        each(src, [&](std::uint32_t s) { known[queue_ * kRow + s] = now; });
-        each(with(kLater, choice.dst), [&](std::uint32_t t) {
+        each_stage(src & (src - 1u), [&](std::uint32_t s) { join(known.data(), row(queue_, s)); });
+        each_stage(src, [&](std::uint32_t s) { known[queue_ * kStageRow + s] = now; });
+        each_stage(with(kLaterStages, choice.dst), [&](std::uint32_t t) {
             if (!(touched_ >> t & 1))
                 std::copy(row(queue_, t), row(queue_, t) + width_, next_row(t));
             touched_ |= static_cast<Stages>(1u << t);
