@@ -30,7 +30,9 @@ set(edge_types
   passes/surface/draw_scene.hpp
   passes/surface/frame.hpp
   passes/surface/gbuffer.hpp
-  passes/surface/shading_inputs.hpp)
+  passes/surface/shading_inputs.hpp
+  passes/volume/frame.hpp
+  passes/volume/medium_inputs.hpp)
 
 # Third-party headers: pattern of the header, pattern of the files that may include it, in words.
 set(third_party

@@ -153,14 +153,24 @@ void Uploader::add(
     check(layer < image.info().layers && mip < image.info().mips,
         "an upload names a layer or mip that the image does not have");
     check(bytes.size() == mip_bytes(image.info(), mip), "an upload is not the size of its mip");
-    const std::uint64_t source = impl_->stage(bytes);
     if (impl_->open_.insert(&image).second) impl_->fresh_.insert(&image);
-    impl_->image_copies_.push_back({&image, {.bufferOffset = source,
-                                                .imageSubresource = {.aspectMask = image.aspect(),
-                                                    .mipLevel = mip,
-                                                    .baseArrayLayer = layer,
-                                                    .layerCount = 1},
-                                                .imageExtent = mip_extent(image.info(), mip)}});
+    const VkExtent3D extent = mip_extent(image.info(), mip);
+    const std::size_t slice_bytes = bytes.size() / extent.depth;
+    const auto slices = static_cast<std::uint32_t>(
+        std::clamp<std::size_t>(kChunkBytes / slice_bytes, 1, extent.depth));
+    for (std::uint32_t z = 0; z < extent.depth; z += slices) {
+        const std::uint32_t count = std::min(slices, extent.depth - z);
+        const std::uint64_t source =
+            impl_->stage(bytes.subspan(z * slice_bytes, count * slice_bytes));
+        impl_->image_copies_.push_back(
+            {&image, {.bufferOffset = source,
+                         .imageSubresource = {.aspectMask = image.aspect(),
+                             .mipLevel = mip,
+                             .baseArrayLayer = layer,
+                             .layerCount = 1},
+                         .imageOffset = {0, 0, static_cast<std::int32_t>(z)},
+                         .imageExtent = {extent.width, extent.height, count}}});
+    }
 }
 
 void Uploader::finish() { impl_->submit(true); }

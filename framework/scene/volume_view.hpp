@@ -28,7 +28,18 @@ struct VolumeView {
     struct Surface {
         double value = 0; ///< isovalue
         float opacity = 1.0f;
-        shader::IsoMaterial material = {.base_color = glm::vec3(0.8f), .roughness = 0.5f};
+        /// Burley's defaults.
+        shader::IsoMaterial material{.base_color = glm::vec3(0.8f),
+            .metallic = 0.0f,
+            .subsurface = 0.0f,
+            .specular = 0.5f,
+            .roughness = 0.5f,
+            .specular_tint = 0.0f,
+            .anisotropic = 0.0f,
+            .sheen = 0.0f,
+            .sheen_tint = 0.5f,
+            .clearcoat = 0.0f,
+            .clearcoat_gloss = 1.0f};
     };
     std::vector<Surface> surfaces; ///< at most MAX_SURFACES
     std::uint32_t shading = SHADING_LAMBERT;

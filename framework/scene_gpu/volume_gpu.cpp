@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "framework/scene_gpu/volume_gpu.hpp"
+
+#include "framework/core/error.hpp"
+#include "framework/gpu/device.hpp"
+#include "framework/gpu/transfer.hpp"
+#include "framework/scene/voxels.hpp"
+#include "shaders/shared/volume.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <vector>
+
+namespace ockham {
+namespace {
+
+/// How a voxel type is stored: texel = (voxel + shift) / largest, where `largest` is not 0.
+struct Storage {
+    VkFormat format;
+    double shift = 0;
+    double largest = 1;
+};
+
+Storage storage_of(VoxelType type) {
+    switch (type) {
+    case VoxelType::uint8:
+        return {VK_FORMAT_R8_UNORM, 0, 255};
+    case VoxelType::uint16:
+        return {VK_FORMAT_R16_UNORM, 0, 65535};
+    case VoxelType::int16:
+        return {VK_FORMAT_R16_UNORM, 32768, 65535};
+    case VoxelType::float32:
+        break;
+    }
+    return {VK_FORMAT_R32_SFLOAT};
+}
+
+/// A volume of two voxels, the least and the greatest.
+Volume extremes_of(const Volume& volume) {
+    Volume out;
+    out.name = volume.name;
+    out.dims = {2, 1, 1};
+    out.type = volume.type;
+    out.value_scale = volume.value_scale;
+    out.value_offset = volume.value_offset;
+    with_voxels(volume, [&](auto voxels) {
+        const auto [least, greatest] = std::minmax_element(voxels.begin(), voxels.end());
+        for (const auto voxel : {*least, *greatest}) {
+            const auto* bytes = reinterpret_cast<const std::byte*>(&voxel);
+            out.voxels.insert(out.voxels.end(), bytes, bytes + sizeof(voxel));
+        }
+    });
+    return out;
+}
+
+std::vector<std::byte> shifted(const Volume& volume) {
+    std::vector<std::byte> out(volume.voxels.size());
+    for (std::size_t i = 0; i < out.size(); i += 2) {
+        std::uint16_t code;
+        std::memcpy(&code, &volume.voxels[i], 2);
+        code ^= 0x8000u; // two's complement + 32768
+        std::memcpy(&out[i], &code, 2);
+    }
+    return out;
+}
+
+/// Levels of opacity_max, one after the other.
+std::vector<float> range_maxima(const TransferTable& table) {
+    const std::size_t count = table.entries.size();
+    std::vector<float> out;
+    for (const glm::vec4& entry : table.entries) out.push_back(entry.w);
+    for (std::size_t half = 1; 2 * half <= count; half *= 2) {
+        const std::size_t below = out.size() - count;
+        for (std::size_t i = 0; i < count; ++i) {
+            out.push_back(std::max(out[below + i], out[below + std::min(i + half, count - 1)]));
+        }
+    }
+    return out;
+}
+
+/// What chooses a texel of an equirectangular map by luminance times solid angle.
+struct EnvironmentTable {
+    std::vector<float> ends; ///< cumulative rows, then cumulative texels of each row
+    glm::dvec3 mean{0.0};    ///< over directions
+};
+
+/// Turns weights into cumulative shares that end with 1; without weight, all share alike.
+void append_ends(std::vector<float>& out, const std::vector<double>& weights) {
+    double total = 0, sum = 0;
+    for (const double weight : weights) total += weight;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        sum += total > 0 ? weights[i] / total : 1.0 / static_cast<double>(weights.size());
+        out.push_back(static_cast<float>(std::min(sum, 1.0)));
+    }
+    // Rounding may leave the sum short of 1: the last entry that has any weight takes the rest.
+    const float last = out.back();
+    for (std::size_t i = out.size(); i-- > out.size() - weights.size() && out[i] == last;) {
+        out[i] = 1.0f;
+    }
+}
+
+EnvironmentTable environment_table(const std::vector<glm::vec4>& texels, glm::uvec2 size) {
+    EnvironmentTable out;
+    std::vector<double> rows;
+    std::vector<float> columns;
+    std::vector<double> row(size.x);
+    for (std::uint32_t y = 0; y < size.y; ++y) {
+        const double upper = std::cos(std::numbers::pi * y / size.y);
+        const double lower = std::cos(std::numbers::pi * (y + 1) / size.y);
+        const double share = (upper - lower) / 2 / size.x; // of the sphere, each texel
+        double sum = 0;
+        for (std::uint32_t x = 0; x < size.x; ++x) {
+            const glm::dvec3 radiance(texels[std::size_t{y} * size.x + x]);
+            row[x] = glm::dot(radiance, glm::dvec3(0.2126, 0.7152, 0.0722));
+            sum += row[x] * share;
+            out.mean += radiance * share;
+        }
+        rows.push_back(sum);
+        append_ends(columns, row);
+    }
+    append_ends(out.ends, rows);
+    out.ends.insert(out.ends.end(), columns.begin(), columns.end());
+    return out;
+}
+
+/// Throws Error(input) for what is no map of radiance.
+std::vector<glm::vec4> environment_texels(const Image& map) {
+    std::span<const float> planes[3];
+    constexpr const char* names[3] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c) {
+        const std::optional<int> channel = map.find(names[c]);
+        if (!channel) {
+            fail_input("environment map: it has no channel {}; expected R, G and B", names[c]);
+        }
+        planes[c] = map.plane(*channel);
+    }
+    std::vector<glm::vec4> out;
+    for (std::size_t i = 0; i < map.pixels(); ++i) {
+        const glm::vec3 texel(planes[0][i], planes[1][i], planes[2][i]);
+        for (int c = 0; c < 3; ++c) {
+            if (std::isfinite(texel[c]) && texel[c] >= 0) continue;
+            const auto width = static_cast<std::size_t>(map.width());
+            fail_input("environment map: channel {} of texel ({}, {}) is {}; radiance is finite "
+                       "and not negative",
+                names[c], i % width, i / width, texel[c]);
+        }
+        out.emplace_back(texel, 1.0f);
+    }
+    return out;
+}
+
+template <class T>
+void fill_buffer(std::optional<gpu::Buffer>& buffer, gpu::Device& device, gpu::Uploader& uploader,
+    const char* name, const std::vector<T>& values) {
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(values));
+    if (!buffer || buffer->bytes() != bytes.size()) {
+        buffer.emplace(device,
+            gpu::BufferInfo{.bytes = bytes.size(),
+                .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                .name = name});
+    }
+    uploader.add(*buffer, bytes);
+}
+
+} // namespace
+
+VolumeGpu::VolumeGpu(gpu::Device& device, const Volume& volume, const TransferFunction& transfer,
+    const Image& environment)
+    : device_(&device), extremes_(extremes_of(volume)) {
+    const Storage storage = storage_of(volume.type);
+    texel_scale_ = 1.0 / (volume.value_scale * storage.largest);
+    texel_offset_ = (storage.shift - volume.value_offset / volume.value_scale) / storage.largest;
+    facts_.dims = volume.dims;
+    facts_.cells = (volume.dims + glm::uvec3(RANGE_CELL - 1)) / glm::uvec3(RANGE_CELL);
+    table_ = tabulate(transfer, extremes_);
+    describe_transfer();
+    gpu::Uploader uploader(device);
+    make_volume(uploader, volume);
+    make_tables(uploader);
+    if (!environment.empty()) make_environment(uploader, environment);
+    uploader.finish();
+}
+
+void VolumeGpu::make_volume(gpu::Uploader& uploader, const Volume& volume) {
+    const bool one_slice = volume.dims.z == 1; // no 3D image: it would be a 2D one
+    volume_.emplace(
+        *device_, gpu::ImageInfo{.format = storage_of(volume.type).format,
+                      .width = volume.dims.x,
+                      .height = volume.dims.y,
+                      .depth = one_slice ? 2 : volume.dims.z,
+                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                      .name = "volume"});
+    if (volume.type == VoxelType::int16 || one_slice) {
+        std::vector<std::byte> texels =
+            volume.type == VoxelType::int16 ? shifted(volume) : volume.voxels;
+        const auto slice = static_cast<std::ptrdiff_t>(texels.size());
+        if (one_slice) {
+            texels.resize(2 * texels.size());
+            std::copy_n(texels.begin(), slice, texels.begin() + slice);
+        }
+        uploader.add(*volume_, 0, 0, texels);
+    } else {
+        uploader.add(*volume_, 0, 0, volume.voxels);
+    }
+    bytes_ += volume.voxels.size() * (one_slice ? 2 : 1);
+}
+
+void VolumeGpu::make_environment(gpu::Uploader& uploader, const Image& map) {
+    environment_size_ = {map.width(), map.height()};
+    facts_.environment_map = true;
+    const std::vector<glm::vec4> texels = environment_texels(map);
+    const EnvironmentTable table = environment_table(texels, environment_size_);
+    environment_mean_ = table.mean;
+    environment_.emplace(
+        *device_, gpu::ImageInfo{.format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                      .width = environment_size_.x,
+                      .height = environment_size_.y,
+                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                      .name = "environment"});
+    uploader.add(*environment_, 0, 0, std::as_bytes(std::span(texels)));
+    fill_buffer(environment_table_, *device_, uploader, "environment_table", table.ends);
+    bytes_ += texels.size() * sizeof(glm::vec4) + environment_table_->bytes();
+}
+
+void VolumeGpu::make_tables(gpu::Uploader& uploader) {
+    const auto fill = [&](std::optional<gpu::Buffer>& buffer, const char* name, bool wanted,
+                          const auto& values) {
+        if (buffer) bytes_ -= buffer->bytes();
+        if (!wanted) return buffer.reset();
+        fill_buffer(buffer, *device_, uploader, name, values);
+        bytes_ += buffer->bytes();
+    };
+    fill(transfer_, "transfer", true, table_.entries);
+    fill(emission_, "emission", facts_.emission, table_.emission);
+    fill(opacity_max_, "opacity_max", !facts_.homogeneous, range_maxima(table_));
+}
+
+void VolumeGpu::describe_transfer() {
+    facts_.emission = !table_.emission.empty();
+    // Entries that the volume's values come to lie between.
+    const double entries_per_value =
+        static_cast<double>(table_.entries.size() - 1) / (table_.last - table_.first);
+    const auto place = [&](int voxel) {
+        const double x = (extremes_.at({voxel, 0, 0}) - table_.first) * entries_per_value;
+        return std::clamp(x, 0.0, static_cast<double>(table_.entries.size() - 1));
+    };
+    const auto [low, high] = std::minmax(place(0), place(1));
+    const auto first = static_cast<std::size_t>(std::floor(low));
+    const auto last = static_cast<std::size_t>(std::ceil(high));
+    facts_.homogeneous = true;
+    for (std::size_t i = first; i <= last; ++i)
+        facts_.homogeneous &= table_.entries[i].w == table_.entries[first].w;
+    facts_.homogeneous |= low == high;
+}
+
+float VolumeGpu::texel_of(double value) const {
+    return static_cast<float>(value * texel_scale_ + texel_offset_);
+}
+
+float VolumeGpu::max_opacity() const {
+    const auto [low, high] = std::minmax(extremes_.at({0, 0, 0}), extremes_.at({1, 0, 0}));
+    return table_.max_opacity(low, high) * (1.0f + 0x1p-21f);
+}
+
+bool VolumeGpu::set_transfer(const TransferFunction& transfer) {
+    const VolumeFacts before = facts_;
+    const std::size_t entries = table_.entries.size();
+    table_ = tabulate(transfer, extremes_);
+    describe_transfer();
+    gpu::Uploader uploader(*device_);
+    make_tables(uploader);
+    uploader.finish();
+    return !(facts_ == before) || table_.entries.size() != entries;
+}
+
+VolumeHandles VolumeGpu::import(Graph& graph) const {
+    const auto buffer = [&](const std::optional<gpu::Buffer>& source) {
+        return source ? graph.import_buffer(source->name(), {source->bytes()}, {}) : BufferHandle{};
+    };
+    const auto image = [&](const std::optional<gpu::Image>& source) {
+        if (!source) return ImageHandle{};
+        const gpu::ImageInfo& info = source->info();
+        return graph.import_image(source->name(),
+            {.format = info.format,
+                .width = info.width,
+                .height = info.height,
+                .depth = info.depth},
+            AccessState{.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+    };
+    return {image(volume_), buffer(transfer_), buffer(emission_), buffer(opacity_max_),
+        image(environment_), buffer(environment_table_)};
+}
+
+void VolumeGpu::bind(Executor& executor, const VolumeHandles& handles) const {
+    const auto bind_one = [&](auto handle, const auto& source) {
+        if (source) executor.bind(handle, *source);
+    };
+    bind_one(handles.volume, volume_);
+    bind_one(handles.transfer, transfer_);
+    bind_one(handles.emission, emission_);
+    bind_one(handles.opacity_max, opacity_max_);
+    bind_one(handles.environment, environment_);
+    bind_one(handles.environment_table, environment_table_);
+}
+
+} // namespace ockham

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every pass on a volume reads, and the names of shader variants that follow from it.
+#pragma once
+
+#include "framework/scene_gpu/volume_gpu.hpp"
+#include "shaders/shared/volume.h"
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+namespace ockham {
+
+struct MediumInputs {
+    VolumeFacts facts;
+    VolumeHandles handles;
+    BufferHandle frame;     ///< shader::VolumeFrame
+    BufferHandle ranges;    ///< vec2 per range cell: least and greatest texel value; with surfaces
+    BufferHandle majorants; ///< float per range cell: greatest opacity; not where homogeneous
+    bool surfaces = false;  ///< there is an isovalue
+    bool sobol = true;      ///< --sampler
+};
+
+/// Which of them a kernel reads; the medium itself always.
+struct MediumUse {
+    bool tracking = true; ///< majorants
+    bool light = true;    ///< environment map
+    bool surfaces = true; ///< ranges
+};
+
+/// Declares the reads under the names of shaders/volume/*.glsl.
+void read_medium(PassBuilder& pass, const MediumInputs& in, const MediumUse& use = {});
+
+/// "volume/path_trace.comp:noncaching,emission,grid,surfaces,environment_map,sobol": `mode` (may be
+/// empty), then of these features those that `use` and the inputs have, in this order.
+std::string medium_variant(std::string_view shader, std::string_view mode, const MediumInputs& in,
+    const MediumUse& use = {});
+
+} // namespace ockham
