@@ -2,13 +2,14 @@
 // Isosurfaces along a ray, exact: the first point where the trilinear field crosses an isovalue.
 // Cells of ranges that no isovalue lies in are skipped; in the cells between eight voxel centres the
 // field along the ray is a cubic, kept in Bernstein form (its control values are its blossom), cut
-// at its extrema, and bisected. Include after volume/medium.glsl; docs/passes/surface_depth.md.
+// at its extrema, and bisected. Needs SURFACES; docs/passes/surface_depth.md.
 // After Parker et al. 1998 and Marmitt et al. 2004.
 #ifndef OCKHAM_VOLUME_SURFACE_GLSL
 #define OCKHAM_VOLUME_SURFACE_GLSL
 
-/// Least and greatest texel value of what interpolation can reach in a range cell.
-layout(scalar, binding = 4) readonly buffer Ranges { vec2 cells[]; } ranges;
+#extension GL_EXT_control_flow_attributes : require
+
+#include "volume/cells.glsl"
 
 const uint kNoSurface = ~0u;
 
@@ -102,7 +103,7 @@ float exact_field(vec3 unit) {
 /// interpolation of those at the voxels. In texel units per world unit.
 vec3 surface_gradient(vec3 unit) {
     vec3 slope = vec3(0.0); // per voxel
-    for (int tap = 0; tap < 6; ++tap) {
+    [[dont_unroll]] for (int tap = 0; tap < 6; ++tap) { // 48 lookups are slow to compile
         vec3 aside = vec3(0.0);
         aside[tap >> 1] = (tap & 1) == 0 ? -1.0 : 1.0;
         slope += aside * (0.5 * exact_field(unit + aside / vec3(frame.data.dims)));
@@ -203,6 +204,8 @@ bool find_surface(vec3 origin, vec3 direction, float t0, float t1, bool start_so
     inout uint budget, out SurfaceHit hit) {
     hit = SurfaceHit(t1, kNoSurface, vec3(0.0), false);
     vec4 values = isovalues();
+    float base = values.x; // all from here on is relative to it, for precision beside it
+    values -= base;
     CellRay ray = make_cell_ray(origin, direction);
     ivec3 cell = cell_at(ray, t0), last = ivec3(frame.data.dims) - 1;
 
@@ -215,7 +218,8 @@ bool find_surface(vec3 origin, vec3 direction, float t0, float t1, bool start_so
         budget -= min(budget, 1u);
         // Range cell i holds the extremes of the cells 8 i - 1 to 8 i + 7.
         ivec3 block = clamp((cell + 1) >> 3, ivec3(0), ivec3(frame.data.cells) - 1);
-        vec2 range = ranges.cells[(block.z * int(frame.data.cells.y) + block.y) * int(frame.data.cells.x) + block.x];
+        vec2 range = cell_range(uint((block.z * int(frame.data.cells.y) + block.y) * int(frame.data.cells.x) + block.x));
+        range -= base;
         bool skip = on_one_side(values, range.x, range.y);
 
         ivec3 exits = exit_planes(ray, cell);
@@ -226,6 +230,8 @@ bool find_surface(vec3 origin, vec3 direction, float t0, float t1, bool start_so
         float start = range.x; // or any other value in a cell on one side
         if (!skip) {
             Corners c = corners_of(cell);
+            c.x0 -= base;
+            c.x1 -= base;
             float lowest = min(least(c.x0), least(c.x1)), highest = max(greatest(c.x0), greatest(c.x1));
             start = lowest;
             if (!on_one_side(values, lowest, highest)) {
@@ -276,8 +282,7 @@ bool find_surface(vec3 origin, vec3 direction, float t0, float t1, bool start_so
     }
     bool rising = cubic_at(cubic, low) < target;
     if (low == 0.0) rising = cubic.x < target;
-    for (int i = 0; i < 20; ++i) { // to 2^-20 of a cell; the end stays on the far side
-        budget -= min(budget, 1u);
+    [[unroll]] for (int i = 0; i < 18; ++i) { // to 2^-18 of a cell; the end stays on the far side
         float middle = 0.5 * (low + high);
         if ((cubic_at(cubic, middle) < target) == rising) low = middle;
         else high = middle;
