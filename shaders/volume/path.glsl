@@ -65,9 +65,7 @@ Tracker resume(Path path) {
     return tracker;
 }
 void suspend(inout Path path, Tracker tracker) {
-    if (!tracker.ready) return;
-    uvec3 cell = uvec3(tracker.walk.cell + 1); // one cell of margin around the box
-    path.cell = cell.x | cell.y << 10 | cell.z << 20;
+    if (tracker.ready) path.cell = pack_cell(tracker.walk);
 }
 
 Path begin_path(vec3 origin, vec3 direction, Random random) {
@@ -164,7 +162,7 @@ void play_roulette(inout Path path, float xi) {
 }
 
 /// A real collision at `position`. xi: uniform for the roulette, then two for the direction.
-void meet_medium(inout Path path, vec3 position, Medium medium, vec3 xi) {
+void meet_medium(inout Path path, vec3 position, Medium medium, vec3 xi, inout uint budget) {
 #ifndef CELLS
     if (path.bounces == 0u) path.throughput *= frame.data.volume_gain;
 #endif
@@ -176,7 +174,8 @@ void meet_medium(inout Path path, vec3 position, Medium medium, vec3 xi) {
     if (path.bounces > frame.data.max_bounces) path.throughput = vec3(0.0);
 #ifdef GATHER
     if (path.bounces > 1u) {
-        path.radiance += path.throughput * cached_in_scatter(unit_from_world(position), path.direction);
+        vec3 arriving = cached_in_scatter(unit_from_world(position), path.direction, budget);
+        path.radiance += path.throughput * arriving;
         path.stage = PATH_ENDED;
         return;
     }
@@ -258,18 +257,14 @@ bool set_out(inout Path path, inout Tracker tracker, vec3 direction, inout uint 
     vec3 entry_normal;
     if (!clip_ray(path.origin, direction, near, far, entry_normal)) near = far = 0.0;
     vec3 o = unit_from_world(path.origin), d = unit_from_world_direction(direction);
-    bool begins = path.t < 0.0;
-    if (begins) path.t = near;
-    tracker.walk = walk_cells(o, d, path.t);
-    if (!begins) {
-        tracker.walk.cell = ivec3(path.cell & 1023u, path.cell >> 10 & 1023u, path.cell >> 20) - 1;
-        for (int axis = 0; axis < 3; ++axis)
-            tracker.walk.exits[axis] = wall_crossing(tracker.walk, axis);
+    if (path.t < 0.0) {
+        path.t = near;
+        path.cell = pack_cell(walk_cells(o, d, near));
     }
+    tracker.walk = resume_walk(o, d, path.cell);
     tracker.limit = far;
     tracker.ready = true;
 #ifdef SURFACES
-    suspend(path, tracker); // until the search is done
     tracker.hit.surface = kNoSurface;
     float from = path.search < 0.0 ? near : path.search;
     if (from < far) {
@@ -332,7 +327,8 @@ void advance(inout Path path, inout Tracker tracker, inout uint budget) {
             if (path.transmittance < kRouletteTransmittance)
                 path.transmittance = xi.y * kRouletteTransmittance < path.transmittance ? kRouletteTransmittance : 0.0;
         } else if (xi.y < chance) {
-            meet_medium(path, path.origin + path.t * path.direction, medium, vec3(xi.y / chance, xi.zw));
+            meet_medium(path, path.origin + path.t * path.direction, medium,
+                vec3(xi.y / chance, xi.zw), budget);
             tracker.ready = false;
         }
     }
@@ -344,7 +340,7 @@ void advance(inout Path path, inout Tracker tracker, inout uint budget) {
         if (!shadow && xi.x < opacity) {
             meet_surface(path, tracker.hit, xi);
         } else { // goes on behind it
-            path.search = tracker.hit.t + kShadowOffset * voxel_length();
+            path.search = tracker.hit.t + beyond_hit();
             suspend(path, tracker);
         }
         tracker.ready = false;

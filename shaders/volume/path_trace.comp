@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// reads the medium, the light and unfinished paths; adds each pixel's new samples to its sum, in
+// order, and stores the path that the budget of iterations leaves unfinished.
+//   sum += (radiance, 1 where the camera's ray met anything);  square += luminance^2
+// One of PATH, NONCACHING and GATHER says what a sample is: shaders/volume/path.glsl.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+#include "volume/path_trace.h"
+
+layout(push_constant, scalar) uniform Push { PathTracePush push; };
+#define PATH_NEE (push.nee != 0u)
+#include "volume/path.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(binding = 10, rgba32f) uniform image2D sum;
+layout(binding = 14, r32f) uniform image2D square;
+layout(scalar, binding = 11) buffer Progress { uvec2 pixels[]; } progress; // finished, wanted
+layout(scalar, binding = 12) buffer Paths { Path pixels[]; } paths; // of these rows
+layout(scalar, binding = 13) buffer Statistics { uvec2 sums[]; } statistics;
+
+void count(uint what, uint more) {
+    if (more == 0u) return;
+    uint old = atomicAdd(statistics.sums[what].x, more);
+    if (old > ~more) atomicAdd(statistics.sums[what].y, 1u);
+}
+
+Path begin_sample(uvec2 pixel, uint index) {
+    Random random = make_random(frame.data.seed, pixel.y * frame.data.size.x + pixel.x, index);
+    vec4 xi = next4(random);
+    vec3 origin, direction;
+    camera_ray(vec2(pixel) + (push.jitter != 0u ? xi.xy : vec2(0.5)), origin, direction);
+    return begin_camera_path(origin, direction, random);
+}
+
+void main() {
+    uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0u, push.first_row);
+    if (pixel.x >= frame.data.size.x || gl_GlobalInvocationID.y >= push.rows) return;
+    uint slot = gl_GlobalInvocationID.y * frame.data.size.x + pixel.x;
+    uint index = pixel.y * frame.data.size.x + pixel.x;
+
+    Path path = paths.pixels[slot];
+    Tracker tracker = resume(path);
+    uvec2 samples = progress.pixels[index];
+    uint begun = samples.x + (path.stage == PATH_ENDED ? 0u : 1u);
+    uint finished = samples.x, wanted = samples.y + push.samples, bad = 0u;
+    vec4 total = imageLoad(sum, ivec2(pixel));
+    float squares = imageLoad(square, ivec2(pixel)).x;
+
+    uint budget = push.iterations;
+    while (budget > 0u) {
+        if (path.stage == PATH_ENDED) {
+            if (begun == wanted) break;
+            path = begin_sample(pixel, begun++);
+            tracker = resume(path);
+        }
+        advance(path, tracker, budget);
+        if (path.stage == PATH_ENDED) {
+            bool finite = !any(isnan(path.radiance)) && !any(isinf(path.radiance));
+            vec3 radiance = finite ? path.radiance : vec3(0.0);
+            float luminance = dot(radiance, vec3(0.2126, 0.7152, 0.0722));
+            total += vec4(radiance, path.bounces > 0u ? 1.0 : 0.0);
+            squares += luminance * luminance;
+            bad += finite ? 0u : 1u;
+            ++finished;
+        }
+    }
+
+    suspend(path, tracker);
+    bool unfinished = path.stage != PATH_ENDED;
+    if (unfinished) paths.pixels[slot] = path;
+    else paths.pixels[slot].stage = PATH_ENDED;
+    progress.pixels[index] = uvec2(finished, wanted);
+    imageStore(sum, ivec2(pixel), total);
+    imageStore(square, ivec2(pixel), vec4(squares));
+    count(PATHS_WANTED, push.samples);
+    count(PATHS_FINISHED, finished - samples.x);
+    count(PATHS_STEPS, path_steps);
+    count(PATHS_RESUMED, unfinished ? 1u : 0u);
+    count(PATHS_TRUNCATED, bad);
+    count(PATHS_CLAMPED, path_clamped);
+}
