@@ -247,7 +247,7 @@ void VolumeGpu::describe_transfer() {
         const double x = (extremes_.at({voxel, 0, 0}) - table_.first) * entries_per_value;
         return std::clamp(x, 0.0, static_cast<double>(table_.entries.size() - 1));
     };
-    const auto [low, high] = std::minmax(place(0), place(1));
+    const auto [low, high] = std::minmax({place(0), place(1)});
     const auto first = static_cast<std::size_t>(std::floor(low));
     const auto last = static_cast<std::size_t>(std::ceil(high));
     facts_.homogeneous = true;
