@@ -80,8 +80,8 @@ TransferFunction ct_bone() {
 TransferFunction ct_soft() {
     const glm::dvec3 skin(0.90, 0.68, 0.55), fat(0.94, 0.84, 0.58), muscle(0.74, 0.36, 0.30),
         vessel(0.80, 0.45, 0.36), ivory(0.93, 0.86, 0.74);
-    return {{{-250, 0.0, skin}, {-150, 0.02, skin}, {-100, 0.02, fat}, {-20, 0.03, fat},
-        {30, 0.12, muscle}, {80, 0.16, muscle}, {180, 0.25, vessel}, {300, 0.6, ivory},
+    return {{{-250, 0.0, skin}, {-150, 0.03, skin}, {-100, 0.03, fat}, {-20, 0.05, fat},
+        {30, 0.22, muscle}, {80, 0.28, muscle}, {180, 0.34, vessel}, {300, 0.6, ivory},
         {1000, 1.0, ivory}}};
 }
 
