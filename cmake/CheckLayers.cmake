@@ -42,6 +42,10 @@ set(third_party
   "^tiny_?gltf" "^framework/io/gltf[^/]*\\.cpp$" "only framework/io/gltf*.cpp read glTF"
   "^(OpenEXR|Imath)/|^Imf" "^framework/io/exr\\.cpp$" "only framework/io/exr.cpp reads EXR"
   "^(stb/)?stb_" "^framework/io/[^/]*\\.cpp$" "only sources of framework/io code pictures"
+  "^itk[A-Z]" "^framework/io/volume_itk\\.cpp$" "only framework/io/volume_itk.cpp sees ITK"
+  "^openvdb/" "^framework/io/volume_openvdb\\.cpp$" "only framework/io/volume_openvdb.cpp reads VDB"
+  "^nanovdb/" "^framework/io/volume_nanovdb\\.cpp$" "only framework/io/volume_nanovdb.cpp reads NanoVDB"
+  "^zlib" "^framework/io/gzip\\.cpp$" "only framework/io/gzip.cpp inflates"
   "^CLI/" "^(framework/app|samples)/.*\\.cpp$" "only sources of framework/app and samples parse flags"
   "^GLFW|^(backends/)?imgui" "^$" "nothing opens a window")
 

@@ -11,7 +11,7 @@ include(CMakePackageConfigHelpers)
 set(internal_headers
   "framework/gpu/(selection|shader_compiler|workgroup_memory)"
   "framework/graph/(describe|compile/[a-z_]+|verify/[a-z_]+|explain/json_reader)"
-  "framework/io/(gltf_[a-z]+|texture_image)"
+  "framework/io/(gltf_[a-z]+|gzip|texture_image|volume_readers)"
   "framework/runtime/(barriers|bindings|commands_impl|frame|misuse|raster_target|recorder|resources)"
   "framework/runtime/submitter"
   "framework/scene/(atrium_parts|builtin_parts|builtin_textures|shapes)")
@@ -22,6 +22,7 @@ set(pc_names
   TinyGLTF::TinyGLTF tinygltf
   Vulkan::Headers vulkan
   Vulkan::Vulkan vulkan
+  ZLIB::ZLIB zlib
   glslang::SPIRV spirv
   glslang::glslang-default-resource-limits -lglslang-default-resource-limits)
 
@@ -47,7 +48,7 @@ function(targets_below folder types out)
 endfunction()
 
 # Appends to `list` what `target` links, each before what links it, then `target`. Targets of other
-# packages (Package::name) are leaves.
+# packages (Package::name) and files are leaves.
 function(append_link_closure target list)
   set(result ${${list}})
   if(target IN_LIST result)
@@ -56,7 +57,7 @@ function(append_link_closure target list)
   if(TARGET ${target} AND NOT target MATCHES "::")
     get_target_property(links ${target} INTERFACE_LINK_LIBRARIES)
     string(REGEX REPLACE "\\$<BUILD_INTERFACE:[^>]*>" "" links "${links}")
-    string(REGEX MATCHALL "[A-Za-z0-9_]+::[A-Za-z0-9_-]+|ockham_[a-z0-9_]+" links "${links}")
+    string(REGEX MATCHALL "[A-Za-z0-9_]+::[A-Za-z0-9_-]+|ockham_[a-z0-9_]+|/[^;>]+" links "${links}")
     foreach(link IN LISTS links)
       if(link MATCHES "^Ockham::")
         get_target_property(link ${link} ALIASED_TARGET)
@@ -149,6 +150,8 @@ foreach(target IN LISTS closure)
     else()
       list(APPEND pc_requires ${name})
     endif()
+  elseif(target MATCHES "^/")
+    string(APPEND pc_libraries " ${target}")
   else()
     get_target_property(type ${target} TYPE)
     get_target_property(options ${target} INTERFACE_LINK_OPTIONS)
