@@ -45,7 +45,7 @@ float first_crossed(vec4 values, float from, float to) {
     bvec4 was = lessThanEqual(values, vec4(from)), is = lessThanEqual(values, vec4(to));
     if (was == is) return kInfinity;
     return from < to ? least(mix(values, vec4(kInfinity), was))
-                     : greatest(mix(values, vec4(-kInfinity), is));
+                     : greatest(mix(vec4(-kInfinity), values, was));
 }
 /// The surface whose inside this is: of nested ones the innermost. kNoSurface: outside of all.
 uint surface_around(vec4 values, float value) {
