@@ -239,21 +239,11 @@ void VolumeGpu::make_tables(gpu::Uploader& uploader) {
 }
 
 void VolumeGpu::describe_transfer() {
+    // The table's ends are the volume's extremes, so every entry is between two of its values.
+    const std::vector<glm::vec4>& entries = table_.entries;
     facts_.emission = !table_.emission.empty();
-    // Entries that the volume's values come to lie between.
-    const double entries_per_value =
-        static_cast<double>(table_.entries.size() - 1) / (table_.last - table_.first);
-    const auto place = [&](int voxel) {
-        const double x = (extremes_.at({voxel, 0, 0}) - table_.first) * entries_per_value;
-        return std::clamp(x, 0.0, static_cast<double>(table_.entries.size() - 1));
-    };
-    const auto [low, high] = std::minmax({place(0), place(1)});
-    const auto first = static_cast<std::size_t>(std::floor(low));
-    const auto last = static_cast<std::size_t>(std::ceil(high));
-    facts_.homogeneous = true;
-    for (std::size_t i = first; i <= last; ++i)
-        facts_.homogeneous &= table_.entries[i].w == table_.entries[first].w;
-    facts_.homogeneous |= low == high;
+    facts_.homogeneous = std::all_of(entries.begin(), entries.end(),
+        [&](const glm::vec4& entry) { return entry.w == entries.front().w; });
 }
 
 float VolumeGpu::texel_of(double value) const {
@@ -261,8 +251,7 @@ float VolumeGpu::texel_of(double value) const {
 }
 
 float VolumeGpu::max_opacity() const {
-    const auto [low, high] = std::minmax(extremes_.at({0, 0, 0}), extremes_.at({1, 0, 0}));
-    return table_.max_opacity(low, high) * (1.0f + 0x1p-21f);
+    return table_.max_opacity(table_.first, table_.last) * (1.0f + 0x1p-21f);
 }
 
 bool VolumeGpu::set_transfer(const TransferFunction& transfer) {

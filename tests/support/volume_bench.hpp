@@ -38,8 +38,8 @@ public:
             majorants.push_back(
                 1.000001f * static_cast<float>(reference::greatest_opacity(gpu.table(), range)));
         }
-        if (inputs.surfaces) inputs.ranges = buffer("ranges", ranges);
-        if (!inputs.facts.homogeneous) inputs.majorants = buffer("majorants", majorants);
+        if (inputs.surfaces) inputs.ranges = buffer("host_ranges", ranges);
+        if (!inputs.facts.homogeneous) inputs.majorants = buffer("host_majorants", majorants);
         on_bind([this](Executor& executor) { gpu.bind(executor, inputs.handles); });
     }
 
