@@ -5,6 +5,7 @@
 #define OCKHAM_SHADERS_VOLUME_CACHE_H
 
 #include "shared/types.h"
+#include "volume/path.h"
 
 OCKHAM_SHARED_BEGIN
 
@@ -36,11 +37,14 @@ struct CacheHeader {
     uint format;      ///< CACHE_FP32, CACHE_FP16, CACHE_RGB9E5
     uint directional; ///< 1: two more words: the light's mean direction, in halves
     uint words;       ///< of a stored cell: 3, 2 or 1, and 2 where directional
-    uint slots;       ///< cells that have one
+    uint slots;       ///< cells that have one; beyond the capacity they do without
+    uint solid;       ///< of these, inside the surface
+    uint occlusion;   ///< 1: readers ask whether they see a cell near a surface
 };
-OCKHAM_SHARED_SIZE(CacheHeader, 32);
+OCKHAM_SHARED_SIZE(CacheHeader, 40);
 
-/// A bit per eighth of eight voxels, which is where the field is one trilinear piece; 32 along x.
+/// A bit for each cube between eight voxel centres, where the field is one trilinear piece: 32 in a
+/// row along x. There are dims + 1 along each axis; piece i lies between voxels i - 1 and i.
 struct CachePieces {
     uint visible;  ///< the transfer function shows something of it
     uint open;     ///< not wholly inside the opaque solid
@@ -53,46 +57,59 @@ struct CacheSum {
     float square;       ///< sum of squared luminance
     vec3 flow;          ///< sum of luminance times the direction that it came from
     uint count;         ///< paths that have ended
-    uint cell;          ///< CACHE_NONE: the slot is not in use
+    uint cell;          ///< CACHE_NONE: gets no paths
     uint word;          ///< of the index
     float contribution; ///< (0, 1]: opacity of the cell
     uint owed;          ///< paths that were ordered and have not ended
 };
 OCKHAM_SHARED_SIZE(CacheSum, 48);
 
-/// Where refinement stands; kept between executions. Zero: nothing has begun.
+/// A path of a cell that the loop budget has interrupted.
+struct CachePath {
+    Path path;
+    vec3 first;    ///< direction in which it left the cell
+    vec3 straight; ///< radiance that came without a scattering from a sampled light ...
+    vec3 to_light; ///< ... which is there
+    uint tries;    ///< places that were no good for the next path's beginning
+};
+OCKHAM_SHARED_SIZE(CachePath, 160);
+
+/// Where refinement stands; kept between executions.
 struct CacheControl {
-    uvec3 enter_groups; ///< indirect: fills the working set when a block begins, else zero
+    uvec3 enter_groups; ///< indirect: fills the working set where a block begins, else zero
     uint block;         ///< slots block * set ... are in the working set
     uint blocks;
     uint round;         ///< several blocks are gone through again and again, each time finer
     float goal;         ///< relative standard error that this round ends with
-    uint settled;       ///< 1: the block is done, it is stored and leaves
     uint suspended;     ///< 1: every cell has reached the target
-    uint cells;         ///< in use, solid ones not counted
-    uint unsettled;     ///< cells of the working set that got paths in the last execution
-    uint step_paths;    ///< that ended in this execution
-    uint step_resumed;  ///< interrupted in it by the loop budget, to go on in the next
-    uvec2 paths;        ///< low and high word, since the last restart
-    uvec2 resumed;
-    uint steps;
+    uint cells;         ///< that get paths
+    uint unsettled;     ///< of the working set, those that the last execution gave paths to
+    uint steps;         ///< executions since the last restart
+    uint clamped;       ///< collisions whose extinction exceeded the majorant: must be 0
+    uint step_paths;    ///< of the running execution; 0 between executions
+    uint step_resumed;
+    uint step_events;
+    uvec2 paths;        ///< that have ended, since the last restart: low and high word
+    uvec2 resumed;      ///< dispatches that left a path to the next execution
+    uvec2 events;       ///< tentative collisions
 };
-OCKHAM_SHARED_SIZE(CacheControl, 80);
+OCKHAM_SHARED_SIZE(CacheControl, 84);
 
 struct CachePush {
     uint scale;
     uint format;
     uint directional;
-    uint set;         ///< slots of the working set
-    uint capacity;    ///< slots that there is memory for
-    uint hold_solid;  ///< 1: cells inside the surface get slots too
-    uint paths;       ///< of the largest bucket, a power of two, >= 8
-    uint bucket;      ///< that the dispatch works off
-    uint iterations;  ///< loop budget of an invocation
-    uint blocks;
-    float target;     ///< relative standard error
+    uint set;        ///< slots of the working set
+    uint capacity;   ///< slots that there is memory for
+    uint occlusion;  ///< 1: surfaces keep light out
+    uint hold_solid; ///< 1: cells inside the surface get slots too
+    uint paths;      ///< of the largest bucket: a power of two, 8 or more
+    uint bucket;     ///< that the dispatch works off
+    uint cells;      ///< of the grid
+    uint iterations; ///< loop budget of an invocation
+    float target;    ///< relative standard error
 };
-OCKHAM_SHARED_SIZE(CachePush, 44);
+OCKHAM_SHARED_SIZE(CachePush, 48);
 
 OCKHAM_SHARED_END
 

@@ -6,6 +6,8 @@
 
 #include "volume/cache.h"
 
+float cache_luminance(vec3 radiance) { return dot(radiance, vec3(0.2126, 0.7152, 0.0722)); }
+
 uvec3 cache_grid(uint scale) { return (frame.data.dims + scale - 1u) / scale; }
 uvec3 cache_cell(uint index, uvec3 grid) {
     return uvec3(index % grid.x, index / grid.x % grid.y, index / (grid.x * grid.y));

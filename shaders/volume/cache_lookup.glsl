@@ -13,8 +13,6 @@
 layout(scalar, binding = 8) readonly buffer CacheIndex { CacheHeader header; uint words[]; } cache_index;
 layout(scalar, binding = 9) readonly buffer CacheCells { uint words[]; } cache_cells;
 
-float cache_luminance(vec3 radiance) { return dot(radiance, vec3(0.2126, 0.7152, 0.0722)); }
-
 /// EXT_texture_shared_exponent: three mantissas of 9 bits, an exponent of 5.
 vec3 unpack_rgb9e5(uint word) {
     float scale = uintBitsToFloat((word >> 27u) + 127u - 24u << 23u);
@@ -64,7 +62,8 @@ vec3 cached_in_scatter(vec3 unit, vec3 direction, inout uint budget) {
         if (!near && word >> CACHE_PLACE_SHIFT == CACHE_PLACE_SOLID) continue;
         vec3 phi, flow;
         if (!read_cache_cell(word & CACHE_SLOT_MASK, phi, flow)) continue;
-        if (near && !cache_sees(unit, cache_representative(c, header.scale, word), budget)) continue;
+        if (near && header.occlusion != 0u &&
+            !cache_sees(unit, cache_representative(c, header.scale, word), budget)) continue;
         vec3 weights = mix(1.0 - fraction, fraction, vec3(corner));
         float weight = weights.x * weights.y * weights.z;
         weight_sum += weight;

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// reads the cells of one bucket, the medium, its surfaces and its light; adds paths to cache_sums.
+// Paths begin at places in the cell that are outside the solid and see the point that stands for
+// the cell, so that a cell which a wall divides stands for one side. What the loop budget interrupts
+// waits in cache_paths for the next execution. Sums are added in the order of the paths.
+//   phi = mean of radiance,  F = mean of luminance times direction
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#define CELLS
+#include "schedule/buckets.h"
+#include "volume/medium.glsl"
+#include "volume/path.glsl"
+#include "volume/cache_geometry.glsl"
+
+layout(local_size_x = BUCKET_GROUP) in;
+
+layout(scalar, binding = 10) buffer Control { CacheControl data; } cache_control;
+layout(scalar, binding = 11) buffer Sums { CacheSum items[]; } cache_sums;
+layout(scalar, binding = 12) buffer Paths { CachePath items[]; } cache_paths;
+layout(scalar, binding = 13) readonly buffer BucketTable { Bucket items[]; } bucket_table;
+layout(scalar, binding = 14) readonly buffer PixelList { uint items[]; } pixel_list;
+layout(push_constant, scalar) uniform Push { CachePush push; };
+
+const uint kCellSeed = 0x9e3779b9u; // no cell shares its numbers with a pixel
+const uint kPlaces = 8u;            // tried before a path begins at the representative itself
+
+/// Where paths of a cell may begin.
+struct Start {
+    uint cell;
+    vec3 low, high, representative;
+    bool near;
+};
+
+/// Begins a path of number `index` at one more place, or leaves `path` ended: in the solid, unseen.
+void try_start(Start start, uint index, uint tries, inout Path path, inout uint budget) {
+    Random random = make_random(frame.data.seed ^ kCellSeed, start.cell, index);
+    random.set = tries;
+    vec4 xi = next4(random);
+    vec3 unit = tries < kPlaces ? mix(start.low, start.high, xi.xyz) : start.representative;
+    bool good = !start.near || cache_kept(unit);
+#ifdef SURFACES
+    if (start.near && good) good = cache_sees(unit, start.representative, budget);
+#endif
+    if (good) path = begin_cell_path(world_from_unit(unit), random);
+}
+
+void main() {
+    Bucket bucket = bucket_table.items[push.bucket - 1u];
+    uint item = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * BUCKET_GROUP + gl_LocalInvocationIndex;
+    if (item >= bucket.count) return;
+    uint word = pixel_list.items[bucket.first + item];
+    uint slot = (word >> 16u) * CACHE_SET_WIDTH + (word & 0xffffu);
+
+    CacheSum sum = cache_sums.items[slot];
+    CachePath state = cache_paths.items[slot];
+    Start start;
+    uvec3 cell = cache_cell(sum.cell, cache_grid(push.scale));
+    cache_bounds(cell, push.scale, start.low, start.high);
+    start.representative = cache_representative(cell, push.scale, sum.word);
+    start.near = (sum.word & CACHE_NEAR) != 0u;
+    start.cell = sum.cell;
+
+    Tracker tracker = resume(state.path);
+    uint budget = push.iterations, done = 0u;
+    while (sum.owed > 0u && budget > 0u) {
+        if (state.path.stage == PATH_ENDED) {
+            --budget;
+            state.path.radiance = vec3(0.0);
+            try_start(start, sum.count, state.tries, state.path, budget);
+            tracker = resume(state.path);
+            state.first = state.path.direction;
+            state.straight = vec3(0.0);
+            state.to_light = state.path.to_light;
+            if (state.path.stage == PATH_ENDED && state.tries++ < kPlaces) continue;
+            state.tries = 0u;
+        } else {
+            advance(state.path, tracker, budget);
+        }
+        if (state.path.stage != PATH_ENDED) {
+            if (state.path.bounces == 1u) state.straight = state.path.radiance;
+            continue;
+        }
+        vec3 radiance = state.path.radiance;
+        float luminance = cache_luminance(radiance), straight = cache_luminance(state.straight);
+        sum.radiance += radiance;
+        sum.square += luminance * luminance;
+        sum.flow += straight * state.to_light + (luminance - straight) * state.first;
+        ++sum.count;
+        --sum.owed;
+        ++done;
+    }
+    suspend(state.path, tracker);
+    cache_paths.items[slot] = state;
+    cache_sums.items[slot] = sum;
+
+    // Statistics: whole numbers, so that their order does not matter.
+    atomicAdd(cache_control.data.step_paths, done);
+    atomicAdd(cache_control.data.step_events, path_steps);
+    if (sum.owed > 0u) atomicAdd(cache_control.data.step_resumed, 1u);
+    if (path_clamped > 0u) atomicAdd(cache_control.data.clamped, path_clamped);
+}
