@@ -10,24 +10,29 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 #include <vector>
 
 namespace ockham {
 namespace {
 
-/// How a voxel type is stored: texel = (voxel + shift) / largest, where `largest` is not 0.
+/// How voxels are stored: texel = (voxel + shift) / largest.
 struct Storage {
     VkFormat format;
     double shift = 0;
     double largest = 1;
 };
 
-Storage storage_of(VoxelType type) {
+/// Devices in software filter 8-bit texels in 8-bit arithmetic: lavapipe's field was a staircase,
+/// off by up to 1.5 codes. There 8 bits are stored as 16.
+bool widens(const gpu::Device& device, VoxelType type) {
+    return type == VoxelType::uint8 && device.info().software;
+}
+
+Storage storage_of(const gpu::Device& device, VoxelType type) {
     switch (type) {
     case VoxelType::uint8:
-        return {VK_FORMAT_R8_UNORM, 0, 255};
+        return {widens(device, type) ? VK_FORMAT_R16_UNORM : VK_FORMAT_R8_UNORM, 0, 255};
     case VoxelType::uint16:
         return {VK_FORMAT_R16_UNORM, 0, 65535};
     case VoxelType::int16:
@@ -56,13 +61,16 @@ Volume extremes_of(const Volume& volume) {
     return out;
 }
 
-std::vector<std::byte> shifted(const Volume& volume) {
-    std::vector<std::byte> out(volume.voxels.size());
-    for (std::size_t i = 0; i < out.size(); i += 2) {
-        std::uint16_t code;
-        std::memcpy(&code, &volume.voxels[i], 2);
-        code ^= 0x8000u; // two's complement + 32768
-        std::memcpy(&out[i], &code, 2);
+/// 16-bit texels of int16 voxels, or of uint8 ones that are to be widened.
+std::vector<std::uint16_t> texels_of(const Volume& volume) {
+    std::vector<std::uint16_t> out;
+    out.reserve(volume.voxel_count());
+    if (volume.type == VoxelType::int16) {
+        for (const std::int16_t voxel : voxels_as<std::int16_t>(volume))
+            out.push_back(static_cast<std::uint16_t>(voxel + 32768));
+    } else {
+        for (const std::uint8_t voxel : voxels_as<std::uint8_t>(volume))
+            out.push_back(static_cast<std::uint16_t>(voxel * 257)); // / 65535 as voxel / 255
     }
     return out;
 }
@@ -170,7 +178,7 @@ void fill_buffer(std::optional<gpu::Buffer>& buffer, gpu::Device& device, gpu::U
 VolumeGpu::VolumeGpu(gpu::Device& device, const Volume& volume, const TransferFunction& transfer,
     const Image& environment)
     : device_(&device), extremes_(extremes_of(volume)) {
-    const Storage storage = storage_of(volume.type);
+    const Storage storage = storage_of(device, volume.type);
     texel_scale_ = 1.0 / (volume.value_scale * storage.largest);
     texel_offset_ = (storage.shift - volume.value_offset / volume.value_scale) / storage.largest;
     facts_.dims = volume.dims;
@@ -187,25 +195,26 @@ VolumeGpu::VolumeGpu(gpu::Device& device, const Volume& volume, const TransferFu
 void VolumeGpu::make_volume(gpu::Uploader& uploader, const Volume& volume) {
     const bool one_slice = volume.dims.z == 1; // no 3D image: it would be a 2D one
     volume_.emplace(
-        *device_, gpu::ImageInfo{.format = storage_of(volume.type).format,
+        *device_, gpu::ImageInfo{.format = storage_of(*device_, volume.type).format,
                       .width = volume.dims.x,
                       .height = volume.dims.y,
                       .depth = one_slice ? 2 : volume.dims.z,
                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
                       .name = "volume"});
-    if (volume.type == VoxelType::int16 || one_slice) {
-        std::vector<std::byte> texels =
-            volume.type == VoxelType::int16 ? shifted(volume) : volume.voxels;
-        const auto slice = static_cast<std::ptrdiff_t>(texels.size());
-        if (one_slice) {
-            texels.resize(2 * texels.size());
-            std::copy_n(texels.begin(), slice, texels.begin() + slice);
-        }
-        uploader.add(*volume_, 0, 0, texels);
-    } else {
-        uploader.add(*volume_, 0, 0, volume.voxels);
+    std::vector<std::uint16_t> converted;
+    std::span<const std::byte> texels = volume.voxels;
+    if (volume.type == VoxelType::int16 || widens(*device_, volume.type)) {
+        converted = texels_of(volume);
+        texels = std::as_bytes(std::span(converted));
     }
-    bytes_ += volume.voxels.size() * (one_slice ? 2 : 1);
+    std::vector<std::byte> twice;
+    if (one_slice) {
+        for (int slice = 0; slice < 2; ++slice)
+            twice.insert(twice.end(), texels.begin(), texels.end());
+        texels = twice;
+    }
+    uploader.add(*volume_, 0, 0, texels);
+    bytes_ += texels.size();
 }
 
 void VolumeGpu::make_environment(gpu::Uploader& uploader, const Image& map) {

@@ -33,8 +33,8 @@ struct VolumeFacts {
 
 /// The volume's resources in one graph. Empty handles: the volume does not need them.
 struct VolumeHandles {
-    /// 3D: R8_UNORM, R16_UNORM (int16 + 32768) or R32_SFLOAT by the voxel type. A single slice is
-    /// there twice.
+    /// 3D: R8_UNORM (on software devices R16_UNORM, for the filter's sake), R16_UNORM (int16 +
+    /// 32768) or R32_SFLOAT by the voxel type. A single slice is there twice.
     ImageHandle volume;
     BufferHandle transfer; ///< vec4 per entry
     BufferHandle emission; ///< vec3 per entry

@@ -83,6 +83,20 @@ TEST_F(TransferTest, ArraysWithMipsOfAllKindsOfFormats) {
     }
 }
 
+TEST_F(TransferTest, AVolumeLargerThanOneBatch) {
+    // 65 slices of 1 MiB: cut after the 64th.
+    const Image image(device(), {.format = VK_FORMAT_R8_UNORM,
+                                    .width = 1024,
+                                    .height = 1024,
+                                    .depth = 65,
+                                    .usage = kImageUsage,
+                                    .name = "volume"});
+    std::vector<std::byte> bytes(std::size_t{65} << 20);
+    for (std::size_t i = 0; i < bytes.size(); i += 1021) bytes[i] = static_cast<std::byte>(i >> 10);
+    upload(device(), image, 0, 0, bytes);
+    EXPECT_TRUE(download(device(), image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL) == bytes);
+}
+
 TEST_F(TransferTest, VolumesAndDepth) {
     const Image volume(device(), {.format = VK_FORMAT_R8_UNORM,
                                      .width = 5,
