@@ -11,7 +11,7 @@ include(CMakePackageConfigHelpers)
 set(internal_headers
   "framework/gpu/(selection|shader_compiler|workgroup_memory)"
   "framework/graph/(describe|compile/[a-z_]+|verify/[a-z_]+|explain/json_reader)"
-  "framework/io/(gltf_[a-z]+|gzip|texture_image|volume_readers)"
+  "framework/io/(dicom_check|gltf_[a-z]+|gzip|texture_image|volume_(payload|readers))"
   "framework/runtime/(barriers|bindings|commands_impl|frame|misuse|raster_target|recorder|resources)"
   "framework/runtime/submitter"
   "framework/scene/(atrium_parts|builtin_parts|builtin_textures|shapes)")

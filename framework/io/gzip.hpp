@@ -15,4 +15,8 @@ namespace ockham {
 /// without a file, what is damaged.
 std::uint64_t inflate(std::span<const std::byte> packed, std::span<std::byte> bytes);
 
+/// The same without keeping the bytes: at most `at_most` + 1. Proves a stream sound to those who
+/// let a library unpack it that takes what it gets.
+std::uint64_t inflated_size(std::span<const std::byte> packed, std::uint64_t at_most);
+
 } // namespace ockham

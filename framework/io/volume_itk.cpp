@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // NRRD, NIfTI, MetaImage and DICOM through ITK's image readers, without its image types: they check
 // and convert here what the readers state.
-#include "framework/core/file.hpp"
+#include "framework/io/dicom_check.hpp"
+#include "framework/io/volume_payload.hpp"
 #include "framework/io/volume_readers.hpp"
 
 #include <itkGDCMImageIO.h>
-#include <itkGDCMSeriesFileNames.h>
+#include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
@@ -13,8 +14,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
+#include <map>
 #include <new>
 #include <span>
 #include <string_view>
@@ -196,71 +197,6 @@ void set_voxels(
         Io::GetComponentTypeAsString(component), name_of(volume.type)));
 }
 
-/// The lines of a NRRD or MetaImage header: of as much of the file as headers take.
-std::vector<std::string> header_lines(const std::string& file) {
-    constexpr std::size_t kMaxHeader = std::size_t{1} << 16;
-    std::ifstream stream(file, std::ios::binary);
-    std::vector<std::string> lines;
-    std::string line;
-    for (std::size_t read = 0; read < kMaxHeader && std::getline(stream, line);) {
-        read += line.size() + 1;
-        if (line.ends_with('\r')) line.pop_back();
-        // Voxels follow: an empty line in NRRD; in MetaImage the last key, which is kept.
-        if (line.empty()) break;
-        lines.push_back(line);
-        if (line.starts_with("ElementDataFile") && line.find("LIST") == std::string::npos) break;
-    }
-    return lines;
-}
-
-bool has_key(const std::vector<std::string>& lines, std::initializer_list<std::string_view> keys) {
-    return std::ranges::any_of(lines, [&](const std::string& line) {
-        return std::ranges::any_of(
-            keys, [&](std::string_view key) { return line.starts_with(key); });
-    });
-}
-
-/// Files that a header says hold the voxels, each beside it: none if they follow the header.
-/// Throws Error(input) for one that is elsewhere.
-std::vector<fs::path> data_files(const fs::path& header, const std::vector<std::string>& lines) {
-    std::vector<fs::path> files;
-    bool listed = false;
-    for (const std::string& line : lines) {
-        std::string name = line;
-        if (!listed) {
-            const bool meta = line.starts_with("ElementDataFile");
-            if (!meta && !line.starts_with("data file:") && !line.starts_with("datafile:"))
-                continue;
-            name = line.substr(std::min(line.find_first_of(meta ? "=" : ":") + 1, line.size()));
-        }
-        name.erase(0, std::min(name.find_first_not_of(" \t="), name.size()));
-        name.erase(name.find_last_not_of(" \t") + 1);
-        if (name == "LOCAL" || name == "Local" || name == "local") continue;
-        if (name.starts_with("LIST")) {
-            listed = true;
-            continue;
-        }
-        files.push_back(path_beside(header, name));
-    }
-    return files;
-}
-
-/// Refuses what cannot hold as much as it states, before room is made for that.
-void check_stored(const fs::path& path, const Stated& stated, const std::vector<fs::path>& data) {
-    std::error_code error;
-    std::uint64_t stored = fs::file_size(path, error);
-    for (const fs::path& file : data) {
-        const std::uint64_t bytes = fs::file_size(file, error);
-        if (error) return; // a pattern of names, or missing: the reader knows
-        stored += bytes;
-    }
-    if (stated.bytes() / kMaxDeflateRatio <= stored) return;
-    fail_input("cannot load volume '{}': {} x {} x {} voxels of type {} take {} bytes, but the "
-               "file has {}, which hold at most {} even compressed; it is damaged or cut off",
-        path.string(), stated.dims.x, stated.dims.y, stated.dims.z, stated.component_name(),
-        stated.bytes(), stored, stored * kMaxDeflateRatio);
-}
-
 void set_place(Volume& volume, const Stated& stated) {
     volume.dims = stated.dims;
     volume.spacing_mm = stated.spacing;
@@ -281,35 +217,69 @@ struct Slice {
     Stated stated;
 };
 
-std::vector<std::string> files_of_series(
-    const fs::path& folder, const std::string& wanted, std::vector<std::string>& notes) {
-    const auto series = itk::GDCMSeriesFileNames::New();
-    series->SetDirectory(folder.string());
-    std::vector<std::string> uids = series->GetSeriesUIDs();
-    std::vector<std::vector<std::string>> files;
-    for (const std::string& uid : uids) files.push_back(series->GetFileNames(uid));
-    // The largest first, which is then the default.
-    std::vector<std::size_t> order(uids.size());
-    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::ranges::stable_sort(
-        order, [&](std::size_t a, std::size_t b) { return files[a].size() > files[b].size(); });
-    std::vector<std::string> names;
-    for (const std::size_t i : order) names.push_back(uids[i]);
-    const std::size_t chosen = choose_part(folder.string(), "DICOM series", names, wanted, notes);
-    return files[order[chosen]];
+Slice read_slice(const std::string& name) {
+    check_dicom(name);
+    Slice slice{itk::GDCMImageIO::New(), {}};
+    slice.stated = state(*slice.io, name);
+    return slice;
 }
 
-/// Distances between slices along their normal, and what is not as it should be. Slices are in
-/// order. Changes spacing and direction of the last axis.
-void place_slices(Volume& volume, const std::vector<Slice>& slices, const std::string& file) {
-    const auto origin = [&](std::size_t i) { return slices[i].stated.origin; };
+/// Slices of one series, size and orientation.
+struct Series {
+    std::string uid;
+    std::vector<Slice> slices;
+};
+
+std::string uid_of(const Slice& slice) {
+    std::string uid;
+    itk::ExposeMetaData<std::string>(slice.io->GetMetaDataDictionary(), "0020|000e", uid);
+    return uid.substr(0, uid.find_last_not_of(std::string_view("\0 ", 2)) + 1);
+}
+
+bool alike(const Stated& a, const Stated& b) {
+    return a.dims == b.dims && glm::length(a.direction[0] - b.direction[0]) < 1e-3 &&
+           glm::length(a.direction[1] - b.direction[1]) < 1e-3;
+}
+
+/// The largest first. Files that are not DICOM are left out.
+std::vector<Series> series_of(const fs::path& folder) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        if (entry.is_regular_file() && is_dicom(entry.path())) files.push_back(entry.path());
+    }
+    std::ranges::sort(files); // the same on every system
+    std::vector<Series> all;
+    for (const fs::path& file : files) {
+        Slice slice = read_slice(file.string());
+        const std::string uid = uid_of(slice);
+        auto series = std::ranges::find_if(all, [&](const Series& other) {
+            return other.uid == uid && alike(other.slices.front().stated, slice.stated);
+        });
+        if (series == all.end()) {
+            all.push_back({uid, {}});
+            series = all.end() - 1;
+        }
+        series->slices.push_back(std::move(slice));
+    }
+    std::ranges::stable_sort(
+        all, [](const Series& a, const Series& b) { return a.slices.size() > b.slices.size(); });
+    return all;
+}
+
+/// Puts slices in order along their normal, which the last axis becomes. Notes what is not as it
+/// should be.
+void place_slices(Volume& volume, std::vector<Slice>& slices, const std::string& file) {
     const glm::dvec3 normal = glm::cross(volume.direction[0], volume.direction[1]);
+    std::ranges::stable_sort(slices, [&](const Slice& a, const Slice& b) {
+        return glm::dot(a.stated.origin, normal) < glm::dot(b.stated.origin, normal);
+    });
+    const auto origin = [&](std::size_t i) { return slices[i].stated.origin; };
     const auto steps = static_cast<double>(slices.size() - 1);
     const glm::dvec3 step = (origin(slices.size() - 1) - origin(0)) / steps;
     const double along = glm::dot(step, normal);
     double least = std::numeric_limits<double>::max(), most = 0;
     for (std::size_t i = 1; i < slices.size(); ++i) {
-        const double distance = glm::dot(origin(i) - origin(i - 1), normal) * (along < 0 ? -1 : 1);
+        const double distance = glm::dot(origin(i) - origin(i - 1), normal);
         least = std::min(least, distance);
         most = std::max(most, distance);
         if (!(distance > 1e-4)) {
@@ -319,52 +289,29 @@ void place_slices(Volume& volume, const std::vector<Slice>& slices, const std::s
                 file, i, i + 1, distance);
         }
     }
-    volume.spacing_mm.z = std::abs(along);
-    volume.direction[2] = along < 0 ? -normal : normal;
+    volume.spacing_mm.z = along;
+    volume.direction[2] = normal;
+    volume.origin_mm = origin(0);
     if (most - least > 0.01 * volume.spacing_mm.z) {
         volume.notes.push_back(fmt::format("its slices are {} to {} mm apart; the mean, {} mm, is "
                                            "taken for all",
             least, most, volume.spacing_mm.z));
     }
-    if (const double tilt =
-            glm::degrees(std::acos(std::min(1.0, std::abs(along) / glm::length(step))));
+    if (const double tilt = glm::degrees(std::acos(std::min(1.0, along / glm::length(step))));
         tilt > 0.1) {
         volume.notes.push_back(
             fmt::format("its gantry tilt of {:.1f} degrees is not honoured", tilt));
     }
 }
 
-/// Of the first slice, or of the only file. Throws Error(input) if another differs.
-void check_alike(const std::vector<Slice>& slices, const std::string& file) {
-    const Stated& first = slices.front().stated;
-    for (const Slice& slice : slices) {
-        const Stated& other = slice.stated;
-        if (other.dims != first.dims) {
-            fail_input("cannot load volume '{}': '{}' has {} x {} pixels, the first slice {} x {}; "
-                       "remove it or load another series",
-                file, fs::path(slice.io->GetFileName()).filename().string(), other.dims.x,
-                other.dims.y, first.dims.x, first.dims.y);
-        }
-        for (int axis = 0; axis < 2; ++axis) {
-            if (glm::length(other.direction[axis] - first.direction[axis]) < 1e-3) continue;
-            fail_input("cannot load volume '{}': '{}' is turned against the first slice; remove it "
-                       "or load another series",
-                file, fs::path(slice.io->GetFileName()).filename().string());
-        }
-    }
-}
-
-Volume load_slices(const std::vector<std::string>& files, const std::string& file) {
-    std::vector<Slice> slices;
-    for (const std::string& name : files) {
-        Slice slice{itk::GDCMImageIO::New(), {}};
-        slice.stated = state(*slice.io, name);
-        slices.push_back(std::move(slice));
-    }
-    check_alike(slices, file);
-    const Stated& first = slices.front().stated;
+Volume load_slices(std::vector<Slice> slices, const std::string& file) {
+    const Stated first = slices.front().stated; // a copy: slices are put in order below
     Volume volume;
     set_place(volume, first);
+    if (volume.dims.z == 1 && slices.size() == 1) {
+        volume.notes.push_back(
+            fmt::format("a single slice, taken to be {} mm thick", volume.spacing_mm.z));
+    }
     if (slices.size() > 1) {
         if (first.dims.z != 1) {
             fail_input("cannot load volume '{}': its series has {} files of {} slices each; load "
@@ -404,21 +351,16 @@ Volume load_itk_volume(const fs::path& path) {
         std::string extension = path.extension().string();
         std::ranges::transform(extension, extension.begin(),
             [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-        Volume volume;
-        std::vector<fs::path> data;
-        const bool is_nifti = extension == ".nii" || extension == ".gz";
-        if (!is_nifti) {
-            const std::vector<std::string> header = header_lines(file);
-            data = data_files(path, header);
-            if (!has_key(
-                    header, {"spacings:", "space directions:", "ElementSpacing", "ElementSize"})) {
-                volume.notes.push_back("it states no spacing: 1 mm along each axis is taken");
-            }
-        }
+        check_references(path);
         const Io::Pointer io = reader_of(extension);
         const Stated stated = state(*io, file);
-        check_stored(path, stated, data);
+        Volume volume;
         set_place(volume, stated);
+        check_payload(path,
+            {volume.voxel_count(), stated.bytes(),
+                fmt::format("{} x {} x {} voxels of type {}", stated.dims.x, stated.dims.y,
+                    stated.dims.z, stated.component_name())},
+            volume.notes);
         std::vector<std::byte> values(stated.bytes());
         read_pixels(*io, values.data());
         set_voxels(volume, std::move(values), stated.component, file);
@@ -426,13 +368,29 @@ Volume load_itk_volume(const fs::path& path) {
     });
 }
 
-Volume load_dicom_volume(const fs::path& path, const std::string& series) {
+Volume load_dicom_volume(const fs::path& path, const std::string& wanted) {
     const std::string file = path.string();
     return guarded(file, [&] {
-        if (!fs::is_directory(path)) return load_slices({file}, file);
-        std::vector<std::string> notes;
-        const std::vector<std::string> files = files_of_series(path, series, notes);
-        Volume volume = load_slices(files, file);
+        if (!fs::is_directory(path)) {
+            if (!is_dicom(path)) {
+                fail_input("cannot load volume '{}': the mark DICM is not at byte 128; it is no "
+                           "DICOM file",
+                    file);
+            }
+            std::vector<Slice> slices;
+            slices.push_back(read_slice(file));
+            return load_slices(std::move(slices), file);
+        }
+        std::vector<Series> all = series_of(path);
+        std::vector<std::string> names, notes;
+        // Sizes and orientations of the same UID get a number from the second on.
+        std::map<std::string, int> parts;
+        for (const Series& series : all) {
+            const int part = ++parts[series.uid];
+            names.push_back(part == 1 ? series.uid : fmt::format("{}-{}", series.uid, part));
+        }
+        Series& chosen = all[choose_part(file, "DICOM series", names, wanted, notes)];
+        Volume volume = load_slices(std::move(chosen.slices), file);
         volume.notes.insert(volume.notes.begin(), notes.begin(), notes.end());
         return volume;
     });

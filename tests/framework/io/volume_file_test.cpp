@@ -5,8 +5,6 @@
 
 #include "framework/core/file.hpp"
 
-#include <zlib.h>
-
 #include <cmath>
 #include <limits>
 
@@ -28,20 +26,6 @@ protected:
         return refusal("a.json");
     }
 };
-
-std::string gzip(std::string_view bytes) {
-    std::string packed(bytes.size() + 100, '\0');
-    z_stream stream{};
-    deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream.avail_in = static_cast<uInt>(bytes.size());
-    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-    stream.avail_out = static_cast<uInt>(packed.size());
-    EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-    packed.resize(stream.total_out);
-    deflateEnd(&stream);
-    return packed;
-}
 
 TEST_F(VolumeFile, RawVoxelsAsStated) {
     scribble("a.raw", test::ramp<std::uint16_t>(24, 1000));
@@ -84,10 +68,10 @@ TEST_F(VolumeFile, RawVoxelsOfEveryType) {
 
 TEST_F(VolumeFile, GzippedVoxelsAlsoInMembers) {
     const std::string bytes = test::ramp<std::uint16_t>(24, 7);
-    scribble("a.raw.gz", gzip(bytes));
+    scribble("a.raw.gz", test::gzip(bytes));
     write_sidecar({{"file", "a.raw.gz"}});
     EXPECT_EQ(load("a.json").at({1, 2, 3}), 30);
-    scribble("a.raw.gz", gzip(bytes.substr(0, 20)) + gzip(bytes.substr(20)));
+    scribble("a.raw.gz", test::gzip(bytes.substr(0, 20)) + test::gzip(bytes.substr(20)));
     EXPECT_EQ(load("a.json").at({1, 2, 3}), 30);
 }
 
@@ -116,9 +100,9 @@ TEST_F(VolumeFile, SizesThatDisagreeGiveBothNumbersAndTheFormula) {
             "correct dims or type");
     scribble("a.raw", std::string(49, 'x'));
     expect_contains(refusal_of(nlohmann::json::object()), "has 49 bytes, but");
-    scribble("a.raw.gz", gzip(std::string(47, 'x')));
+    scribble("a.raw.gz", test::gzip(std::string(47, 'x')));
     expect_contains(refusal_of({{"file", "a.raw.gz"}}), "has 47 bytes unpacked, but 2 x 3 x 4");
-    scribble("a.raw.gz", gzip(std::string(1000, 'x')));
+    scribble("a.raw.gz", test::gzip(std::string(1000, 'x')));
     expect_contains(refusal_of({{"file", "a.raw.gz"}}), "has more than 48 bytes unpacked, but");
     // Refused before a gibibyte is asked for.
     expect_contains(
@@ -126,7 +110,7 @@ TEST_F(VolumeFile, SizesThatDisagreeGiveBothNumbersAndTheFormula) {
 }
 
 TEST_F(VolumeFile, DamagedGzipIsRefused) {
-    const std::string packed = gzip(test::ramp<std::uint16_t>(24, 7));
+    const std::string packed = test::gzip(test::ramp<std::uint16_t>(24, 7));
     nlohmann::json change = {{"file", "a.raw.gz"}};
     for (std::size_t size = 0; size < packed.size(); ++size) {
         SCOPED_TRACE(size);
