@@ -7,7 +7,8 @@
 //   STOCHASTIC  xi ~ U(0, G); V(xi) >= isovalue ? G = xi; G = 1 at first, kept between executions.
 //               Algorithm 1 of the paper, but that G is not reset in between, and that a hit is a
 //               hit, at the far end too. Of several surfaces it finds the outermost.
-// All but the last digits of a depth by EXACT and MARCH are free of the texture filter's weights.
+// Filters of hardware have weights of 8 bits: what MARCH samples with them, it confirms and bisects
+// without; STOCHASTIC takes them as they are.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -58,7 +59,9 @@ vec2 search(vec3 origin, vec3 direction, float near, float far, vec3 entry_norma
     for (uint i = 0u; i <= push.steps && !crossed; ++i) {
         low = high;
         high = min((float(i) + xi) / float(push.steps), 1.0);
-        crossed = surface_around(values, field(first + high * all)) != kNoSurface;
+        vec3 sampled = first + high * all;
+        crossed = surface_around(values, field(sampled)) != kNoSurface;
+        if (crossed) crossed = surface_around(values, exact_field(sampled)) != kNoSurface;
     }
     if (!crossed) return kMiss;
     around = 0u;
