@@ -91,8 +91,8 @@ std::vector<float> range_maxima(const TransferTable& table) {
 
 /// What chooses a texel of an equirectangular map by luminance times solid angle.
 struct EnvironmentTable {
-    std::vector<float> ends; ///< cumulative rows, then cumulative texels of each row
-    glm::dvec3 mean{0.0};    ///< over directions
+    std::vector<float> items; ///< as shaders/volume/environment.glsl lists them
+    glm::dvec3 mean{0.0};     ///< over directions
 };
 
 /// Turns weights into cumulative shares that end with 1; without weight, all share alike.
@@ -111,26 +111,34 @@ void append_ends(std::vector<float>& out, const std::vector<double>& weights) {
 }
 
 EnvironmentTable environment_table(const std::vector<glm::vec4>& texels, glm::uvec2 size) {
+    constexpr glm::dvec3 kLuminance(0.2126, 0.7152, 0.0722);
+    std::vector<double> squares, rows, row(size.x); // squares of the sine of half the angle
+    for (std::uint32_t y = 0; y <= size.y; ++y) {
+        const double sine = std::sin(std::numbers::pi / 2 * y / size.y);
+        squares.push_back(sine * sine);
+    }
+    const bool black = std::all_of(texels.begin(), texels.end(),
+        [](const glm::vec4& texel) { return glm::vec3(texel) == glm::vec3(0.0f); });
     EnvironmentTable out;
-    std::vector<double> rows;
     std::vector<float> columns;
-    std::vector<double> row(size.x);
     for (std::uint32_t y = 0; y < size.y; ++y) {
-        const double upper = std::cos(std::numbers::pi * y / size.y);
-        const double lower = std::cos(std::numbers::pi * (y + 1) / size.y);
-        const double share = (upper - lower) / 2 / size.x; // of the sphere, each texel
+        const double share = (squares[y + 1] - squares[y]) / size.x; // of the sphere, each texel
         double sum = 0;
         for (std::uint32_t x = 0; x < size.x; ++x) {
             const glm::dvec3 radiance(texels[std::size_t{y} * size.x + x]);
-            row[x] = glm::dot(radiance, glm::dvec3(0.2126, 0.7152, 0.0722));
+            row[x] = black ? 1.0 : glm::dot(radiance, kLuminance);
             sum += row[x] * share;
             out.mean += radiance * share;
         }
         rows.push_back(sum);
         append_ends(columns, row);
     }
-    append_ends(out.ends, rows);
-    out.ends.insert(out.ends.end(), columns.begin(), columns.end());
+    const double sphere = 4 * std::numbers::pi, mean = glm::dot(out.mean, kLuminance);
+    out.items.push_back(black ? 0.0f : static_cast<float>(1 / (sphere * mean)));
+    out.items.push_back(black ? static_cast<float>(1 / sphere) : 0.0f);
+    out.items.insert(out.items.end(), squares.begin(), squares.end());
+    append_ends(out.items, rows);
+    out.items.insert(out.items.end(), columns.begin(), columns.end());
     return out;
 }
 
@@ -230,7 +238,7 @@ void VolumeGpu::make_environment(gpu::Uploader& uploader, const Image& map) {
                       .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
                       .name = "environment"});
     uploader.add(*environment_, 0, 0, std::as_bytes(std::span(texels)));
-    fill_buffer(environment_table_, *device_, uploader, "environment_table", table.ends);
+    fill_buffer(environment_table_, *device_, uploader, "environment_table", table.items);
     bytes_ += texels.size() * sizeof(glm::vec4) + environment_table_->bytes();
 }
 

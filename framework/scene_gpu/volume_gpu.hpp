@@ -42,7 +42,7 @@ struct VolumeHandles {
     /// not where homogeneous.
     BufferHandle opacity_max;
     ImageHandle environment;        ///< rgba32f, row 0 at +y: shaders/volume/environment.glsl
-    BufferHandle environment_table; ///< float: cumulative rows, then cumulative texels of each row
+    BufferHandle environment_table; ///< what chooses its texels, as listed there
 };
 
 class VolumeGpu {

@@ -12,9 +12,15 @@
 #ifdef ENVIRONMENT_MAP
 
 layout(binding = 6) uniform sampler2D environment;
-/// Probability that a row is above the end of each row: height numbers; then, for each row, that a
-/// texel of it is left of the end of each texel: height x width.
-layout(scalar, binding = 7) readonly buffer EnvironmentTable { float ends[]; } environment_table;
+layout(scalar, binding = 7) readonly buffer EnvironmentTable {
+    float pdf_scale; // density = scale * luminance + offset: 1 / integral and 0, but of a black map
+    float pdf_offset;
+    // Of a map of w x h texels:
+    //   h + 1 squares of sin(angle / 2), of the angles from +y where rows begin and end
+    //   h probabilities of a row above the end of each row
+    //   h x w probabilities, given the row, of a texel left of the end of each texel
+    float items[];
+} environment_table;
 
 uvec2 environment_texel(vec3 direction) {
     const float kPi = 3.14159265;
@@ -29,12 +35,21 @@ vec3 environment_radiance(vec3 direction) {
     return texelFetch(environment, ivec2(environment_texel(direction)), 0).xyz;
 }
 
+/// Per steradian, where this is the radiance.
+float environment_pdf_of(vec3 radiance) {
+    return environment_table.pdf_scale * dot(radiance, vec3(0.2126, 0.7152, 0.0722)) +
+           environment_table.pdf_offset;
+}
+float environment_pdf(vec3 direction) {
+    return environment_pdf_of(environment_radiance(direction));
+}
+
 /// First of `count` rising numbers that is greater than xi, which the last one is; count <= 2^14.
 /// Fourteen steps for any count, unrolled: loops are counted by some drivers.
 uint first_beyond(uint begin, uint count, float xi) {
     uint below = 0u; // how many are known not to be greater
 #define STEP(size) \
-    if (below + size < count && environment_table.ends[begin + below + size - 1u] <= xi) \
+    if (below + size < count && environment_table.items[begin + below + size - 1u] <= xi) \
         below += size;
     STEP(8192u) STEP(4096u) STEP(2048u) STEP(1024u) STEP(512u) STEP(256u) STEP(128u)
     STEP(64u) STEP(32u) STEP(16u) STEP(8u) STEP(4u) STEP(2u) STEP(1u)
@@ -42,45 +57,32 @@ uint first_beyond(uint begin, uint count, float xi) {
     return below;
 }
 
-/// Share of [0, 1) that belongs to an entry of such a list.
-vec2 interval(uint begin, uint entry) {
-    float end = environment_table.ends[begin + entry];
-    return vec2(entry == 0u ? 0.0 : environment_table.ends[begin + entry - 1u], end);
+/// Where xi lies in the interval of such a list that holds it: uniform again, in [0, 1).
+float rest_of(uint begin, uint entry, float xi) {
+    float low = entry == 0u ? 0.0 : environment_table.items[begin + entry - 1u];
+    return (xi - low) / (environment_table.items[begin + entry] - low);
 }
-
-/// Cosines of the angles from +y between which a row lies: upper, lower.
-vec2 row_cosines(uint row) {
-    return cos((vec2(row) + vec2(0.0, 1.0)) * (3.14159265 / float(frame.data.environment_size.y)));
-}
-
-/// Density of the texel per steradian.
-float texel_pdf(uvec2 texel) {
-    uvec2 size = frame.data.environment_size;
-    vec2 rows = interval(0u, texel.y), columns = interval(size.y + texel.y * size.x, texel.x);
-    vec2 cosines = row_cosines(texel.y);
-    float solid_angle = (cosines.x - cosines.y) * 6.28318531 / float(size.x);
-    return (rows.y - rows.x) * (columns.y - columns.x) / solid_angle;
-}
-
-/// Per steradian.
-float environment_pdf(vec3 direction) { return texel_pdf(environment_texel(direction)); }
 
 /// Radiance from a direction that is drawn with density `pdf`; `xi` in (0, 1).
 vec3 sample_environment(vec2 xi, out vec3 direction, out float pdf) {
     uvec2 size = frame.data.environment_size;
-    uint row = first_beyond(0u, size.y, xi.y);
-    uint columns = size.y + row * size.x;
+    uint rows = size.y + 1u;
+    uint row = first_beyond(rows, size.y, xi.y);
+    uint columns = rows + size.y + row * size.x;
     uint column = first_beyond(columns, size.x, xi.x);
-    // What choosing left over of the numbers is uniform again.
-    vec2 y = interval(0u, row), x = interval(columns, column);
-    float across = (float(column) + (xi.x - x.x) / (x.y - x.x)) / float(size.x);
-    vec2 cosines = row_cosines(row);
-    float cosine = mix(cosines.x, cosines.y, (xi.y - y.x) / (y.y - y.x));
+    // Even in the cosine, c - s, by the squares s and c of sine and cosine of half the angle: they
+    // are precise at their pole each, and the list is both, upwards and downwards.
+    float down = rest_of(rows, row, xi.y);
+    float s = mix(environment_table.items[row], environment_table.items[row + 1u], down);
+    float c = mix(environment_table.items[size.y - row],
+        environment_table.items[size.y - row - 1u], down);
+    float across = (float(column) + rest_of(columns, column, xi.x)) / float(size.x);
     float azimuth = (across - 0.5) * 6.28318531;
-    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-    direction = vec3(sine * sin(azimuth), cosine, -sine * cos(azimuth));
-    pdf = texel_pdf(uvec2(column, row));
-    return texelFetch(environment, ivec2(column, row), 0).xyz;
+    float sine = 2.0 * sqrt(s * c);
+    direction = normalize(vec3(sine * sin(azimuth), c - s, -sine * cos(azimuth)));
+    vec3 radiance = texelFetch(environment, ivec2(column, row), 0).xyz;
+    pdf = environment_pdf_of(radiance);
+    return radiance;
 }
 
 #else

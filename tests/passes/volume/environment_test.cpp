@@ -148,9 +148,7 @@ TEST_F(EnvironmentTest, DensityIsLuminanceAndIntegratesToOne) {
                 const double pdf =
                     double{answers[static_cast<std::size_t>(size.x * y + x)].seen_pdf};
                 integral += pdf * solid_angle(map, y);
-                // The table's steps are 2^-24 of 1, of a row and of the map.
-                const double granularity = 0x1p-22 * size.x * size.y;
-                ASSERT_NEAR(pdf, luminance(map, x, y) / total, granularity + 1e-5 * pdf);
+                ASSERT_NEAR(pdf, luminance(map, x, y) / total, 1e-6 * pdf);
             }
         }
         EXPECT_NEAR(integral, 1, 1e-5);
@@ -189,13 +187,13 @@ TEST_F(EnvironmentTest, SamplesAreDistributedByTheDensity) {
                      static_cast<std::size_t>(fraction.x * 16)];
             // The same density when asked for, but where rounding crosses a texel's border.
             const glm::dvec2 from_border = glm::abs(place - glm::round(place));
-            if (std::min(from_border.x, from_border.y) < 1e-4) {
+            if (std::min(from_border.x, from_border.y) < 1e-3) {
                 ++on_borders;
                 continue;
             }
             ASSERT_FLOAT_EQ(answer.pdf, answer.pdf_again);
         }
-        EXPECT_LT(on_borders, kCount / 1000);
+        EXPECT_LT(on_borders, kCount / 100);
         EXPECT_LT(test::chi_squared_z(counts, expected), limit);
         EXPECT_LT(test::chi_squared_z(within, std::vector<double>(256, kCount / 256.0)), limit);
     }
@@ -216,7 +214,7 @@ TEST_F(EnvironmentTest, EstimatesOfLuminanceHaveNoVariance) {
         const double estimate =
             glm::dot(glm::dvec3(answer.drawn), glm::dvec3(0.2126, 0.7152, 0.0722)) /
             double{answer.pdf};
-        ASSERT_NEAR(estimate / total, 1, 2e-3); // of the table's 2^-24
+        ASSERT_NEAR(estimate / total, 1, 1e-6);
     }
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(double{mean_[c]} / mean[c], 1, 1e-6);
 }

@@ -96,7 +96,7 @@ TEST_F(PhaseTest, MeanCosineIsG) {
 }
 
 TEST_F(PhaseTest, SamplesAreDistributedByIt) {
-    constexpr std::size_t kBins = 64, kCount = 1 << 18;
+    constexpr std::size_t kBins = 64, kCount = 1 << 17;
     Pcg32 rng(5);
     std::vector<glm::vec3> queries;
     for (std::size_t i = 0; i < kCount; ++i)
