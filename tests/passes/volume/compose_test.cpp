@@ -3,8 +3,8 @@
 // and what they hide, cuts, spacing, interruption. The cached light is one constant here, so that
 // every picture has a closed form or a twin.
 #include "framework/core/rng.hpp"
+#include "passes/volume/cache.hpp"
 #include "passes/volume/compose.hpp"
-#include "shaders/volume/cache.h"
 #include "tests/reference/compose.hpp"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/volume_bench.hpp"
@@ -305,6 +305,39 @@ TEST_F(ComposeTest, FurnacesAreWhiteWhateverIsInThem) {
             ASSERT_LE(p.a, 1.0f);
         }
     }
+}
+
+TEST_F(ComposeTest, AFurnaceIsWhiteWithTheLightThatPathsFind) {
+    Scene scene(random_volume(glm::uvec3(12), 7));
+    scene.transfer = {{{.value = 0.4, .opacity = 0}, {.value = 1, .opacity = 1}}};
+    scene.options.camera = volume_camera();
+    scene.options.view.density_scale = 10.0f;
+    VolumeBench bench(device(), scene.volume, scene.transfer, scene.options);
+    const gpu::Buffer frame(device(), gpu::BufferInfo{.bytes = sizeof(bench.frame),
+                                          .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                          .name = "frame of the count",
+                                          .memory = gpu::MemoryUse::upload});
+    std::memcpy(frame.mapped().data(), &bench.frame, sizeof(bench.frame));
+    CacheParams params;
+    params.capacity = count_cache_cells(device(), bench.gpu, frame, params).slots;
+    const Cache cache = add_cache(bench.graph, bench.inputs, params);
+    const ComposeInputs in{
+        .medium = bench.inputs, .cache_index = cache.index, .cache_cells = cache.cells};
+    const Condition restart = bench.graph.add_condition("restart");
+    const ImageHandle picture =
+        add_compose(bench.graph, in, {.width = 16, .height = 16}, restart).picture;
+    bench.graph.export_resource(picture, "test");
+    for (int i = 0; i < 3; ++i) {
+        bench.execute();
+        set_cache_change(bench.executor(), cache, CacheChange::none);
+    }
+    const std::vector<float> values = interleaved(bench.read(picture));
+    double opacity = 0;
+    for (std::size_t i = 0; i < values.size(); i += 4) {
+        for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(values[i + c], 1.0f, 1e-3f); // of halves
+        opacity += values[i + 3] / 256;
+    }
+    EXPECT_GT(opacity, 0.1);
 }
 
 TEST_F(ComposeTest, NothingShowsTheEnvironmentExactly) {
