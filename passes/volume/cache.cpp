@@ -79,7 +79,11 @@ void dispatch(
     });
 }
 
-constexpr MediumUse kMediumOnly{.tracking = false, .light = false, .surfaces = false};
+/// For kernels that look at the field and its opacity alone.
+void read_field(PassBuilder& pass, MediumInputs medium) {
+    medium.facts.emission = false;
+    read_medium(pass, medium, {.tracking = false, .light = false, .surfaces = false});
+}
 
 /// Marks and counts the cells that need slots. The header of the index has the numbers.
 struct Marked {
@@ -87,8 +91,6 @@ struct Marked {
 };
 Marked add_marks(
     Graph& graph, const MediumInputs& medium, const shader::CachePush& push, BufferHandle index) {
-    MediumInputs plain = medium;
-    plain.facts.emission = false;
     const glm::uvec3 pieces = medium.facts.dims + glm::uvec3(1);
     const std::uint64_t words = std::uint64_t{(pieces.x + 31) / 32} * pieces.y * pieces.z;
     const std::uint64_t runs = (push.cells + CACHE_RUN - 1) / CACHE_RUN;
@@ -97,7 +99,7 @@ Marked add_marks(
 
     PassBuilder classify = graph.add_compute_pass("cache_classify");
     classify.because("where the field can be seen, and where surfaces are");
-    read_medium(classify, plain, kMediumOnly);
+    read_field(classify, medium);
     const bool grid = bool(medium.handles.opacity_max);
     if (grid) classify.read("opacity_max", medium.handles.opacity_max);
     bits = classify.write("cache_pieces", bits);
@@ -105,7 +107,7 @@ Marked add_marks(
 
     PassBuilder mark = graph.add_compute_pass("cache_mark");
     mark.because("only cells that composition may read hold memory");
-    read_medium(mark, plain, kMediumOnly);
+    read_field(mark, medium);
     mark.read("cache_pieces", bits);
     out.index = mark.write("cache_index", out.index);
     out.runs = mark.write("cache_runs", out.runs);
@@ -113,7 +115,7 @@ Marked add_marks(
 
     PassBuilder scan = graph.add_compute_pass("cache_scan");
     scan.because("numbers follow from the volume alone: no atomics");
-    read_medium(scan, plain, kMediumOnly);
+    read_field(scan, medium);
     out.index = scan.read_write("cache_index", out.index);
     out.runs = scan.read_write("cache_runs", out.runs);
     dispatch(scan, "volume/cache_scan.comp", push, 1);
@@ -124,11 +126,9 @@ Marked add_marks(
 BufferHandle add_layout(
     Graph& graph, const MediumInputs& medium, const shader::CachePush& push, BufferHandle index) {
     Marked marked = add_marks(graph, medium, push, index);
-    MediumInputs plain = medium;
-    plain.facts.emission = false;
     PassBuilder scatter = graph.add_compute_pass("cache_scatter");
     scatter.because("gives each marked cell its slot");
-    read_medium(scatter, plain, kMediumOnly);
+    read_field(scatter, medium);
     scatter.read("cache_runs", marked.runs);
     marked.index = scatter.read_write("cache_index", marked.index);
     dispatch(scatter, "volume/cache_scatter.comp", push, (push.cells + CACHE_RUN - 1) / CACHE_RUN);
@@ -142,12 +142,10 @@ struct WorkingSet {
 
 void add_enter(Graph& graph, const MediumInputs& medium, const shader::CachePush& push,
     BufferHandle index, WorkingSet& set) {
-    MediumInputs plain = medium;
-    plain.facts.emission = false;
     PassBuilder pass = graph.add_compute_pass("cache_enter");
     pass.because(
         "a block of cells begins: no more are refined at a time than the working set holds");
-    read_medium(pass, plain, kMediumOnly);
+    read_field(pass, medium);
     pass.read("cache_index", index).read("cache_control", set.control).indirect(set.control);
     set.sums = pass.read_write("cache_sums", set.sums); // kept where no block begins
     set.paths = pass.read_write("cache_paths", set.paths);
@@ -162,11 +160,9 @@ ImageHandle add_allocate(
     const std::uint32_t rows = (push.set + CACHE_SET_WIDTH - 1) / CACHE_SET_WIDTH;
     ImageHandle counts = graph.create_image(
         "cache_counts", {.format = VK_FORMAT_R8_UINT, .width = CACHE_SET_WIDTH, .height = rows});
-    MediumInputs plain = medium;
-    plain.facts.emission = false;
     PassBuilder pass = graph.add_compute_pass("cache_allocate");
     pass.because("paths go where variance and contribution are");
-    read_medium(pass, plain, kMediumOnly);
+    read_field(pass, medium);
     pass.read("cache_control", set.control);
     set.sums = pass.read_write("cache_sums", set.sums);
     counts = pass.write("cache_counts", counts);
@@ -198,11 +194,9 @@ void add_trace(Graph& graph, const MediumInputs& medium, const shader::CachePush
 
 BufferHandle add_publish(Graph& graph, const MediumInputs& medium, const shader::CachePush& push,
     const WorkingSet& set, BufferHandle cells) {
-    MediumInputs plain = medium;
-    plain.facts.emission = false;
     PassBuilder pass = graph.add_compute_pass("cache_publish");
     pass.because("readers see means in a compact format");
-    read_medium(pass, plain, kMediumOnly);
+    read_field(pass, medium);
     pass.read("cache_control", set.control).read("cache_sums", set.sums);
     cells = pass.read_write("cache_cells", cells);
     dispatch(pass, "volume/cache_publish.comp", push, push.set);
