@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "passes/pipelines/volume_gi.hpp"
+
+#include "framework/core/error.hpp"
+#include "framework/gpu/device.hpp"
+#include "passes/volume/frame.hpp"
+#include "passes/volume/majorants.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace ockham {
+namespace {
+
+VolumeGiParams checked(const VolumeGiParams& params) {
+    if (params.width < 1 || params.height < 1 || params.width > 16384 || params.height > 16384) {
+        fail_input(
+            "picture of {} x {} pixels: each side must be 1 to 16384", params.width, params.height);
+    }
+    if (params.samples_per_step < 1) fail_input("0 samples per step: each step must take some");
+    const bool composes = params.mode == VolumeMode::caching && !params.gather;
+    if (params.search != SurfaceSearch::exact && !composes) {
+        fail_input("surface search: paths meet surfaces exactly; a stochastic or marched depth is "
+                   "for the composition, --mode caching --gather off");
+    }
+    return params;
+}
+
+/// What of the cache's light or medium is another. Cameras, materials and gains are of no concern.
+CacheChange cache_change(const shader::VolumeFrame& a, const shader::VolumeFrame& b) {
+    const auto planes = [](const shader::VolumeFrame& f) {
+        return std::vector<glm::vec4>(f.clip_planes, f.clip_planes + f.clip_count);
+    };
+    if (a.crop_min != b.crop_min || a.crop_max != b.crop_max || planes(a) != planes(b))
+        return CacheChange::medium;
+    const bool light = a.light_direction != b.light_direction ||
+                       a.light_irradiance != b.light_irradiance || a.environment != b.environment ||
+                       a.density_scale != b.density_scale || a.albedo != b.albedo ||
+                       a.phase_g != b.phase_g || a.max_bounces != b.max_bounces || a.seed != b.seed;
+    bool surface = a.surface_count != b.surface_count;
+    for (std::uint32_t i = 0; i < std::min(a.surface_count, b.surface_count); ++i) {
+        surface = surface || a.surfaces[i].value != b.surfaces[i].value ||
+                  a.surfaces[i].opacity != b.surfaces[i].opacity;
+    }
+    if (light && surface) return CacheChange::medium;
+    return light ? CacheChange::light : surface ? CacheChange::surface : CacheChange::none;
+}
+
+CacheChange both(CacheChange a, CacheChange b) {
+    if (a == CacheChange::none || a == b) return b;
+    return b == CacheChange::none ? a : CacheChange::medium;
+}
+
+double luminance(const Image& image, std::size_t i) {
+    return 0.2126 * image.plane(0)[i] + 0.7152 * image.plane(1)[i] + 0.0722 * image.plane(2)[i];
+}
+
+std::uint64_t number_of(glm::uvec2 words) { return std::uint64_t{words.y} << 32 | words.x; }
+
+} // namespace
+
+const char* name_of(VolumeMode mode) {
+    return mode == VolumeMode::path         ? "path"
+           : mode == VolumeMode::noncaching ? "noncaching"
+                                            : "caching";
+}
+
+ModeChoice choose_mode(const Volume& volume, std::uint64_t pictures, std::uint32_t cache_scale,
+    std::uint64_t budget_bytes) {
+    if (pictures < 2) {
+        return {VolumeMode::path,
+            "one picture shares its light with no other, and paths are the reference"};
+    }
+    const std::uint64_t cells =
+        volume.voxel_count() / (std::uint64_t{cache_scale} * cache_scale * cache_scale);
+    const std::uint64_t bytes = 12 * cells; // an index and three halves each, were all visible
+    if (budget_bytes > 0 && bytes > budget_bytes / 2) {
+        return {VolumeMode::path, fmt::format("a cache for all {} pictures may take {} of {} MiB",
+                                      pictures, bytes >> 20, budget_bytes >> 20)};
+    }
+    return {VolumeMode::caching, fmt::format("{} pictures share the light in a cache", pictures)};
+}
+
+VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunction& transfer,
+    const Image& environment, const VolumeView& view, const Camera& camera,
+    const VolumeGiParams& params)
+    : device_(device), place_(place_of(volume)), gpu_(device, volume, transfer, environment),
+      view_(view), camera_(camera), params_(checked(params)),
+      frame_(device, gpu::BufferInfo{.bytes = sizeof(shader::VolumeFrame),
+                         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                         .name = "frame",
+                         .memory = gpu::MemoryUse::upload}) {
+    show(view, camera);
+    if (caching()) cache_size_ = count_cache_cells(device_, gpu_, frame_, cache_params());
+    Graph graph = declare();
+    Policy policy;
+    const std::uint64_t budget = device.allocator().budget_bytes();
+    const std::uint64_t used = device.allocator().bytes_used();
+    if (budget > 0) policy.memory_budget_bytes = budget > used ? budget - used : 1;
+    executor_ = std::make_unique<Executor>(device, std::move(graph), policy);
+    bind();
+}
+
+void VolumeGi::show(const VolumeView& view, const Camera& camera) {
+    shader::VolumeFrame frame =
+        make_volume_frame(place_, gpu_, camera, params_.width, params_.height, view);
+    frame.sobol = params_.sobol ? 1u : 0u;
+    std::memcpy(frame_.mapped().data(), &frame, sizeof(frame));
+    view_ = view;
+    camera_ = camera;
+}
+
+CacheParams VolumeGi::cache_params() const {
+    CacheParams p;
+    p.scale = params_.cache_scale;
+    p.format = params_.cache_format;
+    p.directional = view_.phase_g != 0;
+    p.occlusion = params_.iso_occlusion;
+    p.hold_solid = params_.keep_on_iso && !view_.surfaces.empty();
+    p.target_error = params_.cache_error;
+    p.capacity = std::max(cache_size_.slots, 1u);
+    return p;
+}
+
+Graph VolumeGi::declare() {
+    Graph graph("volume_gi");
+    const VolumeFacts& facts = gpu_.facts();
+    medium_ = {.facts = facts,
+        .handles = gpu_.import(graph),
+        .frame = graph.import_buffer("frame", {sizeof(shader::VolumeFrame)}, {}),
+        .ranges = {},
+        .majorants = {},
+        .surfaces = !view_.surfaces.empty()};
+    if (!facts.emission) graph.omit_resource("emission", "the transfer function emits nothing");
+    if (!facts.environment_map) graph.omit_resource("environment", "the environment is one colour");
+    restart_ = graph.add_condition("new picture");
+    declare_majorants(graph);
+    cache_.reset();
+    if (caching()) {
+        declare_cache(graph);
+    } else {
+        graph.omit_pass("cache",
+            fmt::format("--mode {}: every path finds its own light", name_of(params_.mode)));
+    }
+    declare_picture(graph);
+    graph.export_resource(radiance_, "the picture");
+    declare_captures(graph);
+    return graph;
+}
+
+void VolumeGi::declare_majorants(Graph& graph) {
+    new_volume_ = graph.add_condition("new volume");
+    new_transfer_ = graph.add_condition("new transfer function");
+    const Majorants majorants = add_majorants(graph, medium_.facts, medium_.handles, medium_.frame,
+        medium_.surfaces, {new_volume_, new_transfer_});
+    if (medium_.surfaces) medium_.ranges = majorants.ranges;
+    if (params_.majorant_grid) medium_.majorants = majorants.majorants;
+}
+
+void VolumeGi::declare_cache(Graph& graph) {
+    refine_ = graph.add_condition("refine the cache");
+    const GuardScope guard = graph.when(refine_);
+    cache_ = add_cache(graph, medium_, cache_params());
+}
+
+void VolumeGi::declare_picture(Graph& graph) {
+    drain_ = graph.add_condition("finish");
+    if (traces()) {
+        const PathMode mode = caching()                          ? PathMode::gather
+                              : params_.mode == VolumeMode::path ? PathMode::path
+                                                                 : PathMode::noncaching;
+        const PathTraceParams tracing{.width = params_.width,
+            .height = params_.height,
+            .mode = mode,
+            .samples_per_step = params_.samples_per_step,
+            .iterations = params_.iterations,
+            .nee = params_.nee,
+            .buffer_bytes = device_.limits().storage_bytes};
+        const PathCache cache = cache_ ? PathCache{cache_->index, cache_->cells} : PathCache{};
+        paths_ = add_path_trace(graph, medium_, tracing, {restart_, drain_}, cache);
+        radiance_ = paths_.radiance;
+        graph.omit_pass("compose", caching() ? "--gather on: paths begin at an exact collision"
+                                             : "no cache to compose from");
+        return;
+    }
+    graph.omit_pass("path_trace", "--gather off: the picture is composed from the cache");
+    ComposeInputs in{.medium = medium_, .cache_index = cache_->index, .cache_cells = cache_->cells};
+    if (medium_.surfaces && params_.search != SurfaceSearch::exact) {
+        const SurfaceDepthParams search{
+            .width = params_.width, .height = params_.height, .search = params_.search};
+        in.surface_depth = add_surface_depth(graph, medium_, search, restart_).depth;
+    }
+    const ComposeParams composing{
+        .width = params_.width, .height = params_.height, .samples = params_.samples_per_step};
+    radiance_ = add_compose(graph, in, composing, restart_).picture;
+}
+
+void VolumeGi::declare_captures(Graph& graph) {
+    captures_.clear();
+    for (const std::string& name : params_.captures) {
+        if (name == "surface_depth" && medium_.surfaces && !graph.find_image(name)) {
+            const SurfaceDepthParams exact{.width = params_.width, .height = params_.height};
+            add_surface_depth(graph, medium_, exact, restart_);
+        }
+        const ImageHandle image = graph.find_image(name);
+        if (!image) fail_input("--capture: this graph has no image '{}'; --plan lists them", name);
+        if (image.resource != radiance_.resource) graph.export_resource(image, "--capture");
+        captures_.push_back(image);
+    }
+}
+
+void VolumeGi::bind() {
+    gpu_.bind(*executor_, medium_.handles);
+    executor_->bind(medium_.frame, frame_);
+}
+
+void VolumeGi::declare_anew() {
+    if (caching()) cache_size_ = count_cache_cells(device_, gpu_, frame_, cache_params());
+    executor_->update(declare());
+    bind();
+    pending_ = {};
+}
+
+void VolumeGi::execute() {
+    if (pending_.picture) steps_ = 0;
+    // Light from before the cache was finer must leave the mean: it begins anew after 1, 2, 4 ...
+    // steps, so that half of them or more stay.
+    const bool stale = caching() && !suspended_ && std::has_single_bit(steps_);
+    if (pending_.cache != CacheChange::none) suspended_ = false;
+    executor_->set(new_volume_, pending_.volume);
+    executor_->set(new_transfer_, pending_.volume || pending_.transfer);
+    executor_->set(restart_, pending_.picture || stale);
+    executor_->set(drain_, false);
+    if (cache_) {
+        executor_->set(refine_, !suspended_);
+        set_cache_change(*executor_, *cache_, pending_.cache);
+    }
+    executor_->execute();
+    pending_ = {false, false, false, CacheChange::none};
+    ++steps_;
+    if (cache_ && !suspended_) suspended_ = cache_control().suspended != 0;
+}
+
+void VolumeGi::finish() {
+    if (!traces() || pending_.picture) return;
+    executor_->set(new_volume_, false);
+    executor_->set(new_transfer_, false);
+    executor_->set(restart_, false);
+    executor_->set(drain_, true);
+    if (cache_) executor_->set(refine_, false);
+    while (!path_statistics(executor_->read(paths_.statistics)).drained()) executor_->execute();
+}
+
+void VolumeGi::set_camera(const Camera& camera) {
+    show(view_, camera);
+    pending_.picture = true;
+}
+
+void VolumeGi::set_view(const VolumeView& view) {
+    shader::VolumeFrame before, after;
+    std::memcpy(&before, frame_.mapped().data(), sizeof(before));
+    show(view, camera_);
+    std::memcpy(&after, frame_.mapped().data(), sizeof(after));
+    const CacheChange change = cache_change(before, after);
+    pending_.picture = true;
+    pending_.cache = both(pending_.cache, change);
+    const bool other_graph = (before.surface_count == 0) != (after.surface_count == 0) ||
+                             (caching() && (before.phase_g == 0) != (after.phase_g == 0));
+    const bool other_size =
+        caching() &&
+        (change == CacheChange::medium || (change == CacheChange::surface && !cache_->hold_solid));
+    if (other_graph || other_size) declare_anew();
+}
+
+void VolumeGi::set_transfer(const TransferFunction& transfer) {
+    const bool other_facts = gpu_.set_transfer(transfer);
+    show(view_, camera_);
+    pending_.transfer = pending_.picture = true;
+    pending_.cache = CacheChange::medium;
+    if (other_facts || caching())
+        declare_anew();
+    else
+        bind();
+}
+
+shader::CacheControl VolumeGi::cache_control() {
+    shader::CacheControl control;
+    const std::vector<std::byte> bytes = executor_->read(cache_->control);
+    std::memcpy(&control, bytes.data(), sizeof(control));
+    return control;
+}
+
+VolumeStatistics VolumeGi::statistics() {
+    VolumeStatistics out;
+    const glm::uvec3 cells = gpu_.facts().cells;
+    out.majorant_cells = medium_.majorants ? std::uint64_t{cells.x} * cells.y * cells.z : 1;
+    if (traces()) {
+        const PathStatistics paths = path_statistics(executor_->read(paths_.statistics));
+        out.paths = paths.finished;
+        out.steps = paths.steps;
+        out.resumed = paths.resumed;
+        out.truncated = paths.truncated + paths.clamped;
+        add_pixel_error(out);
+    }
+    if (cache_) {
+        const shader::CacheControl control = cache_control();
+        out.paths += number_of(control.paths);
+        out.resumed += number_of(control.resumed);
+        out.cells = cache_size_.slots;
+        out.cell_bytes = cache_size_.bytes;
+        out.cache_converged = control.suspended != 0;
+    }
+    return out;
+}
+
+void VolumeGi::add_pixel_error(VolumeStatistics& out) {
+    const Image sum = executor_->read(paths_.sum), square = executor_->read(paths_.square);
+    const std::vector<std::byte> bytes = executor_->read(paths_.progress);
+    std::vector<glm::uvec2> progress(sum.pixels());
+    std::memcpy(progress.data(), bytes.data(), progress.size() * sizeof(glm::uvec2));
+    double variance = 0, mean = 0;
+    for (std::size_t i = 0; i < sum.pixels(); ++i) {
+        const double n = progress[i].x;
+        if (n < 1) continue;
+        const double m = luminance(sum, i) / n;
+        mean += m;
+        // Of one sample nothing is known: as if it were its own error.
+        const double spread = n > 1 ? (square.plane(0)[i] / n - m * m) / (n - 1) : m * m;
+        variance += std::max(spread, 0.0);
+    }
+    const auto pixels = static_cast<double>(sum.pixels());
+    out.mean_variance = variance / pixels;
+    out.relative_error = mean > 0 ? std::sqrt(*out.mean_variance) / (mean / pixels) : 0.0;
+}
+
+std::vector<SavedResource> VolumeGi::save() {
+    check(!pending_.picture && pending_.cache == CacheChange::none, "save() after a step");
+    return executor_->save();
+}
+
+void VolumeGi::restore(const std::vector<SavedResource>& saved, std::uint64_t steps) {
+    executor_->restore(saved);
+    pending_ = {false, false, false, CacheChange::none};
+    steps_ = steps;
+    suspended_ = cache_ && cache_control().suspended != 0;
+}
+
+} // namespace ockham

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole picture of a volume with global illumination, as one graph per mode:
+//   path, noncaching   ranges -> majorants -> path_trace -> mean
+//   caching            ranges -> majorants -> cache -> path_trace (final gather) -> mean
+//                                                   or compose
+// An execution is a step: it adds samples. What changes in between makes those things begin anew
+// that depend on it, and no others. Called by samples.
+#pragma once
+
+#include "framework/scene/camera.hpp"
+#include "framework/scene/volume_view.hpp"
+#include "framework/scene_gpu/volume_gpu.hpp"
+#include "passes/volume/cache.hpp"
+#include "passes/volume/compose.hpp"
+#include "passes/volume/path_trace.hpp"
+#include "passes/volume/surface_depth.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace ockham {
+
+enum class VolumeMode : std::uint8_t {
+    path,       ///< full transport, surfaces scatter: the reference
+    noncaching, ///< path traced medium, surfaces shaded locally
+    caching,    ///< as noncaching, with in-scattered light out of a cache that is kept
+};
+const char* name_of(VolumeMode mode);
+
+struct VolumeGiParams {
+    std::uint32_t width = 1024, height = 768; ///< pixels
+    VolumeMode mode = VolumeMode::path;
+    std::uint32_t samples_per_step = 1; ///< per pixel
+    bool sobol = true;                  ///< else independent samples
+    bool majorant_grid = true;          ///< else one majorant for all
+    bool nee = true;                    ///< light is sampled at collisions
+    std::uint32_t iterations = 0;       ///< loop budget of tracing; 0: the most
+
+    // Mode caching.
+    bool gather = true; ///< one exact collision, then the cache; false: composition
+    std::uint32_t cache_scale = 2;
+    CacheFormat cache_format = CacheFormat::fp16;
+    bool iso_occlusion = true; ///< surfaces keep light out of the cache
+    bool keep_on_iso = false;  ///< isovalues will change: see CacheParams::hold_solid
+    float cache_error = 0.02f; ///< relative standard error at which the cache is done
+    SurfaceSearch search = SurfaceSearch::exact; ///< other than exact: composition only
+
+    std::vector<std::string> captures; ///< names of further images to export
+};
+
+/// Which mode suits `pictures` views of a volume, and why: path for one, caching where several can
+/// share a cache that certainly fits `budget_bytes` (0: no limit).
+struct ModeChoice {
+    VolumeMode mode;
+    std::string why;
+};
+ModeChoice choose_mode(const Volume& volume, std::uint64_t pictures, std::uint32_t cache_scale,
+    std::uint64_t budget_bytes);
+
+/// Of what has been done since the picture began anew, and for the cache since that did.
+struct VolumeStatistics {
+    std::uint64_t paths = 0;      ///< that have ended, of pixels and of cells
+    std::uint64_t steps = 0;      ///< tentative collisions of pixels' paths: lookups of the field
+    std::uint64_t resumed = 0;    ///< paths stored to go on in a later execution
+    std::uint64_t truncated = 0;  ///< paths dropped or wrongly bounded: must be 0
+    std::uint64_t cells = 0;      ///< of the cache, that hold memory
+    std::uint64_t cell_bytes = 0; ///< of all that the cache takes
+    std::uint64_t majorant_cells = 0; ///< 1: one majorant for all
+    /// Of a pixel's mean luminance, mean over the picture; and its root over the picture's mean.
+    /// Nothing where the picture is composed: its error is the cache's.
+    std::optional<double> mean_variance, relative_error;
+    bool cache_converged = false; ///< the cache has reached its error, and is suspended
+};
+
+/// A volume on the device, its graph and its executor. `device` must outlive it.
+class VolumeGi {
+public:
+    /// `environment`: see VolumeGpu. Throws Error(input) for parameters and views out of range,
+    /// Error(device) for want of memory.
+    VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunction& transfer,
+        const Image& environment, const VolumeView& view, const Camera& camera,
+        const VolumeGiParams& params);
+
+    /// One step.
+    void execute();
+    /// Ends the paths that steps left unfinished, so that no long path is missing from the picture.
+    void finish();
+
+    /// What is shown from now on. The picture begins anew; the cache only where its light or its
+    /// medium changes, so not for a camera, materials or gains.
+    void set_camera(const Camera& camera);
+    void set_view(const VolumeView& view);
+    void set_transfer(const TransferFunction& transfer);
+
+    /// R, G, B (linear radiance) and A: means over all samples.
+    Image picture() { return executor_->read(radiance_); }
+    /// Since the picture began anew.
+    std::uint64_t steps() const { return pending_.picture ? 0 : steps_; }
+    VolumeStatistics statistics();
+
+    /// All that later steps depend on, after at least one. restore() into one that was made with
+    /// equal arguments goes on bit for bit; Error(input) where it was saved by another.
+    std::vector<SavedResource> save();
+    void restore(const std::vector<SavedResource>& saved, std::uint64_t steps);
+
+    const VolumeGpu& gpu() const { return gpu_; }
+    Executor& executor() { return *executor_; }
+    const std::vector<ImageHandle>& captures() const { return captures_; }
+
+private:
+    /// What has changed since the last execution.
+    struct Pending {
+        bool volume = true, transfer = true, picture = true;
+        CacheChange cache = CacheChange::medium;
+    };
+    bool caching() const { return params_.mode == VolumeMode::caching; }
+    bool traces() const { return !caching() || params_.gather; }
+    CacheParams cache_params() const;
+    Graph declare();
+    void declare_majorants(Graph& graph);
+    void declare_cache(Graph& graph);
+    void declare_picture(Graph& graph);
+    void declare_captures(Graph& graph);
+    void declare_anew();
+    void bind();
+    /// Writes the frame of these and keeps them, or throws and keeps the old.
+    void show(const VolumeView& view, const Camera& camera);
+    shader::CacheControl cache_control();
+    void add_pixel_error(VolumeStatistics& out);
+
+    gpu::Device& device_;
+    VolumePlace place_;
+    VolumeGpu gpu_;
+    VolumeView view_;
+    Camera camera_;
+    VolumeGiParams params_;
+
+    gpu::Buffer frame_;
+    CacheSize cache_size_;
+    MediumInputs medium_;
+    std::optional<Cache> cache_;
+    PathTrace paths_;
+    ImageHandle radiance_; ///< the picture
+    std::vector<ImageHandle> captures_;
+    Condition new_volume_, new_transfer_, restart_, drain_, refine_;
+    std::unique_ptr<Executor> executor_;
+    Pending pending_;
+    std::uint64_t steps_ = 0;
+    bool suspended_ = false; ///< the cache was, after the last execution
+};
+
+} // namespace ockham

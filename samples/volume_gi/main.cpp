@@ -1,0 +1,394 @@
+// SPDX-License-Identifier: Apache-2.0
+// volume_gi: renders volumes and isosurfaces with global illumination, sample after sample, and
+// reports what it took. README.md beside this file has examples.
+#include "framework/app/checkpoint.hpp"
+#include "framework/app/cli.hpp"
+#include "framework/app/headless.hpp"
+#include "framework/app/volume_source.hpp"
+#include "framework/core/error.hpp"
+#include "framework/core/file.hpp"
+#include "framework/core/log.hpp"
+#include "framework/core/version.hpp"
+#include "framework/graph/fingerprint.hpp"
+#include "passes/pipelines/volume_gi.hpp"
+#include "passes/volume/frame.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+using namespace ockham;
+
+namespace {
+
+constexpr int kDefaultSteps = 32;
+
+struct Options {
+    CommonOptions common;
+    VolumeOptions volume;
+    std::string mode = "auto";
+    std::string sampler = "sobol";
+    std::string majorant = "grid";
+    bool nee = true;
+    int max_bounces = -1;
+    bool gather = true;
+    int cache_scale = 2;
+    std::string cache_format = "fp16";
+    bool iso_occlusion = true;
+    std::string surface_search = "exact";
+    int seed = 1;
+    int steps = 0; ///< 0: as many as the other bounds allow
+    float time = 0;
+    float target_error = 0;
+    int turntable = 1;
+    std::string checkpoint, resume;
+    float checkpoint_interval = 60;
+    std::string convergence;
+};
+
+void declare(Params& params, Options& o) {
+    add_volume_options(params, o.volume);
+    const char* kMethod = "Method";
+    const char* kRun = "Run";
+    const char* kReport = "Reports";
+    const auto add = [&](const char* group, const char* name, Param::Target target,
+                         const char* help) -> Param& {
+        return params.add(name, target, help).group(group);
+    };
+    add(kMethod, "mode", &o.mode, "how light is found; auto says what it picks")
+        .choices({"path", "noncaching", "caching", "auto"});
+    add(kMethod, "sampler", &o.sampler, "random numbers").choices({"independent", "sobol"});
+    add(kMethod, "majorant", &o.majorant, "bounds of the extinction, for free flights")
+        .choices({"global", "grid"});
+    add(kMethod, "nee", &o.nee, "samples the light at collisions; off: only escaping paths see it")
+        .on_off();
+    add(kMethod, "max-bounces", &o.max_bounces, "most scatterings of a path; -1: no bound")
+        .range(-1, 1 << 30);
+    add(kMethod, "gather", &o.gather,
+        "mode caching: paths to an exact collision, then the cache; off: composes from the cache")
+        .on_off();
+    add(kMethod, "cache-scale", &o.cache_scale, "mode caching: voxels along a side of a cell")
+        .choices({"1", "2", "4"});
+    add(kMethod, "cache-format", &o.cache_format, "mode caching: how a cell's light is kept")
+        .choices({"fp32", "fp16", "rgb9e5"});
+    add(kMethod, "iso-occlusion", &o.iso_occlusion,
+        "mode caching: surfaces keep light out of the cache")
+        .on_off();
+    add(kMethod, "surface-search", &o.surface_search,
+        "how a composition (--gather off) finds surfaces; paths meet them exactly")
+        .choices({"stochastic", "march", "exact"});
+    add(kMethod, "seed", &o.seed, "of all random numbers: equal seeds, equal pictures")
+        .range(0, std::numeric_limits<int>::max());
+    add(kRun, "steps", &o.steps,
+        "samples per pixel; default 32, or what --time and --target-error allow")
+        .range(0, 1 << 24);
+    add(kRun, "time", &o.time, "stop a frame after so long; 0: no bound")
+        .range(0, 1e9)
+        .unit("seconds");
+    add(kRun, "target-error", &o.target_error,
+        "stop once the standard error of pixels is this share of their mean; 0: no bound")
+        .range(0, 1);
+    add(kRun, "checkpoint", &o.checkpoint,
+        "file to write what --resume needs to: at the end, on "
+        "interrupt, and every so often")
+        .transient();
+    add(kRun, "checkpoint-interval", &o.checkpoint_interval, "how often; 0: after each step")
+        .range(0, 1e9)
+        .unit("seconds");
+    add(kRun, "resume", &o.resume, "checkpoint to go on from, of a run with the same flags")
+        .transient();
+    add("Picture", "turntable", &o.turntable,
+        "pictures around the volume; -o then needs a number, as out%03d.png")
+        .range(1, 100000);
+    add(kReport, "convergence", &o.convergence,
+        "CSV file: seconds, steps, paths, psnr, ssim, flip against --reference as it goes on")
+        .transient();
+    add_view_flags(params, o.common);
+    add_output_flags(params, o.common);
+    add_run_flags(params, o.common);
+}
+
+void check_options(const Options& o) {
+    if (!o.convergence.empty() && o.common.reference.empty())
+        fail_input("--convergence: there is no --reference to converge to");
+    if (o.turntable > 1 && !o.common.reference.empty())
+        fail_input(
+            "--reference: {} pictures of a turntable cannot be measured against one", o.turntable);
+    if (o.turntable > 1 && !o.common.output.empty() && !is_numbered(o.common.output)) {
+        fail_input("--output: '{}' is one name for {} pictures; put a number in it, as out%03d.png",
+            o.common.output, o.turntable);
+    }
+}
+
+Camera choose_camera(const Options& o) {
+    Camera camera = volume_camera();
+    if (!o.common.camera.empty()) {
+        const std::optional<Camera> given = parse_camera(o.common.camera, UpAxis::z);
+        if (!given)
+            fail_input("--camera: found '{}', expected \"px,py,pz tx,ty,tz fov\"", o.common.camera);
+        camera = *given;
+    }
+    if (o.common.orthographic > 0) camera.orthographic_height = o.common.orthographic;
+    return camera;
+}
+
+VolumeMode mode_of(const Options& o, const Volume& volume, gpu::Device& device) {
+    if (o.mode == "path") return VolumeMode::path;
+    if (o.mode == "noncaching") return VolumeMode::noncaching;
+    if (o.mode == "caching") return VolumeMode::caching;
+    const ModeChoice choice = choose_mode(volume, static_cast<std::uint64_t>(o.turntable),
+        static_cast<std::uint32_t>(o.cache_scale), device.allocator().budget_bytes());
+    log::info("--mode auto: {}, for {}", name_of(choice.mode), choice.why);
+    return choice.mode;
+}
+
+VolumeGiParams picture_params(const Options& o, VolumeMode mode) {
+    VolumeGiParams p;
+    p.width = static_cast<std::uint32_t>(o.common.width);
+    p.height = static_cast<std::uint32_t>(o.common.height);
+    p.mode = mode;
+    p.sobol = o.sampler == "sobol";
+    p.majorant_grid = o.majorant == "grid";
+    p.nee = o.nee;
+    p.gather = o.gather;
+    p.cache_scale = static_cast<std::uint32_t>(o.cache_scale);
+    p.cache_format = o.cache_format == "fp32"   ? CacheFormat::fp32
+                     : o.cache_format == "fp16" ? CacheFormat::fp16
+                                                : CacheFormat::rgb9e5;
+    p.iso_occlusion = o.iso_occlusion;
+    if (o.target_error > 0) p.cache_error = o.target_error;
+    p.search = o.surface_search == "stochastic" ? SurfaceSearch::stochastic
+               : o.surface_search == "march"    ? SurfaceSearch::march
+                                                : SurfaceSearch::exact;
+    for (const auto& [name, file] : parse_captures(o.common)) p.captures.push_back(name);
+    return p;
+}
+
+/// Of what files hold, whatever they are called.
+std::string fingerprint_of(const VolumeSource& source) {
+    Fingerprint print;
+    const auto mix = [&](const auto* values, std::size_t count) {
+        print.mix(std::string_view(reinterpret_cast<const char*>(values), count * sizeof(*values)));
+    };
+    const Volume& volume = source.volume;
+    mix(volume.voxels.data(), volume.voxels.size());
+    mix(&volume.dims, 1);
+    mix(&volume.spacing_mm, 1);
+    mix(&volume.direction, 1);
+    mix(&volume.value_scale, 1);
+    mix(&volume.value_offset, 1);
+    mix(source.transfer.points.data(), source.transfer.points.size());
+    for (const VolumeView::Surface& surface : source.view.surfaces) {
+        mix(&surface.value, 1);
+        mix(&surface.opacity, 1);
+        mix(&surface.material, 1);
+    }
+    for (std::size_t c = 0; c < source.environment.channels().size(); ++c) {
+        const std::span<const float> plane = source.environment.plane(static_cast<int>(c));
+        mix(plane.data(), plane.size());
+    }
+    return fmt::format("{:016x}{:016x}", print.high, print.low);
+}
+
+/// Everything that decides the picture: all flags but those of one run, what files hold, and the
+/// program and the driver.
+nlohmann::ordered_json identity_of(
+    const Params& params, const VolumeSource& source, const gpu::Device& device) {
+    static const std::set<std::string> decide_nothing{"allow-external", "checkpoint-interval",
+        "exposure", "gpu", "memory-budget", "quiet", "shader-dir", "steps", "strict", "time",
+        "tonemap", "validation"};
+    nlohmann::ordered_json identity{{"commit", commit()}, {"device", device.info().name},
+        {"driver", device.info().driver_version}};
+    const nlohmann::json flags = params.to_json();
+    for (const auto& [name, value] : flags.items())
+        if (!decide_nothing.contains(name)) identity["--" + name] = value;
+    identity["content"] = fingerprint_of(source);
+    return identity;
+}
+
+/// The pictures of a run, one after the other, and how far they are.
+class Session {
+public:
+    Session(const Options& options, HeadlessRun& run, gpu::Device& device, VolumeGi& gi,
+        nlohmann::ordered_json identity)
+        : o_(options), run_(run), device_(device), gi_(gi), camera_(choose_camera(options)),
+          identity_(std::move(identity)) {}
+
+    /// False where it was interrupted; then the checkpoint is written.
+    bool render() {
+        resume();
+        for (;; gi_.set_camera(camera_of(++frame_))) {
+            if (!render_frame()) return false;
+            run_.save_picture(gi_.picture(), frame_);
+            if (frame_ + 1 >= o_.turntable) break;
+        }
+        save();
+        return true;
+    }
+    double seconds() const { return seconds_; }
+
+private:
+    Camera camera_of(int frame) const {
+        const float turn = static_cast<float>(frame) / static_cast<float>(o_.turntable);
+        return turned(camera_, glm::vec3(0.0f), UpAxis::z, 2.0f * std::numbers::pi_v<float> * turn);
+    }
+
+    std::uint64_t last_step() const {
+        if (o_.steps > 0) return static_cast<std::uint64_t>(o_.steps);
+        return o_.time > 0 || o_.target_error > 0 ? ~std::uint64_t{0} : kDefaultSteps;
+    }
+
+    bool render_frame() {
+        const std::uint64_t last = last_step();
+        const double begin = seconds_;
+        Progress progress("step", last == ~std::uint64_t{0} ? 1 : last, o_.common.quiet);
+        for (std::uint64_t next_check = 2; gi_.steps() < last;) {
+            if (interrupted()) {
+                save();
+                return false;
+            }
+            step();
+            progress.update(gi_.steps());
+            if (std::has_single_bit(gi_.steps()) && gi_.steps() < last) add_row();
+            if (!o_.checkpoint.empty() && since_saved_.seconds() >= o_.checkpoint_interval) save();
+            if (o_.time > 0 && seconds_ - begin >= o_.time) break;
+            if (o_.target_error > 0 && gi_.steps() >= next_check && converged(next_check)) break;
+        }
+        const Timer timer;
+        gi_.finish();
+        seconds_ += timer.seconds();
+        add_row();
+        return true;
+    }
+
+    void step() {
+        reload_shaders(device_);
+        const Timer timer;
+        gi_.execute();
+        seconds_ += timer.seconds();
+        if (warm_ || o_.steps == 1) run_.add_times(gi_.executor());
+        warm_ = true; // the first step compiles kernels
+    }
+
+    /// Else `next` becomes the step at which it may be so: errors fall with the root of the
+    /// samples.
+    bool converged(std::uint64_t& next) {
+        const VolumeStatistics now = gi_.statistics();
+        if (!now.relative_error) return now.cache_converged;
+        const double ratio = *now.relative_error / o_.target_error;
+        if (ratio <= 1) return now.cells == 0 || now.cache_converged;
+        const auto steps = static_cast<double>(gi_.steps());
+        next = static_cast<std::uint64_t>(std::min(std::ceil(steps * ratio * ratio), 2 * steps));
+        return false;
+    }
+
+    /// One more row of --convergence; the time that this takes does not count.
+    void add_row() {
+        if (o_.convergence.empty()) return;
+        gi_.finish();
+        const std::optional<ImageError> error = run_.error_of(gi_.picture());
+        rows_ += fmt::format("{:.6g},{},{},{:.6g},{:.6g},{:.6g}\n", seconds_, gi_.steps(),
+            gi_.statistics().paths, std::isinf(error->psnr) ? 999.0 : error->psnr, error->ssim,
+            error->flip.mean);
+        write_text(o_.convergence, "seconds,steps,paths,psnr,ssim,flip\n" + rows_);
+    }
+
+    void save() {
+        if (o_.checkpoint.empty() || gi_.steps() == 0) return;
+        save_checkpoint(o_.checkpoint,
+            {identity_, static_cast<std::uint64_t>(frame_), gi_.steps(), seconds_, gi_.save()});
+        since_saved_.restart();
+    }
+
+    void resume() {
+        if (o_.resume.empty()) return;
+        const Checkpoint checkpoint = load_checkpoint(o_.resume, identity_);
+        frame_ = static_cast<int>(checkpoint.frame);
+        if (frame_ > 0) gi_.set_camera(camera_of(frame_));
+        gi_.restore(checkpoint.resources, checkpoint.steps);
+        seconds_ = checkpoint.seconds;
+        log::info("resumed '{}' after {} steps", o_.resume, checkpoint.steps);
+    }
+
+    const Options& o_;
+    HeadlessRun& run_;
+    gpu::Device& device_;
+    VolumeGi& gi_;
+    Camera camera_;
+    nlohmann::ordered_json identity_;
+    int frame_ = 0;
+    double seconds_ = 0; ///< of executions
+    bool warm_ = false;
+    Timer since_saved_;
+    std::string rows_;
+};
+
+nlohmann::ordered_json to_json(const VolumeStatistics& s, VolumeMode mode) {
+    nlohmann::ordered_json json{{"mode", name_of(mode)}, {"paths", s.paths}, {"steps", s.steps},
+        {"resumed", s.resumed}, {"truncated", s.truncated}, {"cells", s.cells},
+        {"cell_bytes", s.cell_bytes}, {"majorant_cells", s.majorant_cells},
+        {"mean_variance", nullptr}};
+    if (s.mean_variance) json["mean_variance"] = *s.mean_variance;
+    return json;
+}
+
+void print_summary(const FrameTimes& times, const VolumeGi& gi, const VolumeStatistics& statistics,
+    double seconds, const std::optional<ImageError>& error) {
+    fmt::print("gpu     {:9.2f} ms per step (median of {}), {} steps in {:.2f} s\n", times.total(),
+        times.frames(), gi.steps(), seconds);
+    fmt::print("paths   {:9.3g}, {:.3g} lookups of the field\n",
+        static_cast<double>(statistics.paths), static_cast<double>(statistics.steps));
+    if (statistics.relative_error)
+        fmt::print("noise   {:9.2g} of the mean\n", *statistics.relative_error);
+    if (statistics.cells > 0) {
+        fmt::print("cache   {:9} cells, {:.1f} MiB, {}\n", statistics.cells,
+            static_cast<double>(statistics.cell_bytes) / (1 << 20),
+            statistics.cache_converged ? "converged" : "not converged yet");
+    }
+    if (error) print_error(*error);
+}
+
+int render(int argc, char** argv) {
+    Options o;
+    Params params;
+    declare(params, o);
+    if (const std::optional<int> done = parse_command_line(argc, argv,
+            "Renders volumes and isosurfaces with global illumination.", params, o.common)) {
+        return *done;
+    }
+    check_options(o);
+    HeadlessRun run(o.common, argc, argv, {o.checkpoint, o.convergence});
+
+    VolumeSource source = load_volume_source(o.volume);
+    source.view.seed = static_cast<std::uint32_t>(o.seed);
+    if (o.max_bounces >= 0) source.view.max_bounces = static_cast<std::uint32_t>(o.max_bounces);
+    gpu::Device device(device_options(o.common));
+    watch_shaders(device, o.common);
+    log::info("{} ({})", device.info().name, device.info().driver_version);
+    const VolumeGiParams picture = picture_params(o, mode_of(o, source.volume, device));
+    VolumeGi gi(device, source.volume, source.transfer, source.environment, source.view,
+        choose_camera(o), picture);
+    run.announce(device, gi.executor());
+    log::info("volume {} MiB, graph {} MiB", gi.gpu().bytes() >> 20,
+        gi.executor().plan().bytes_peak >> 20);
+
+    Session session(o, run, device, gi, identity_of(params, source, device));
+    if (!session.render()) return 130;
+    expect_no_validation_messages(device);
+    run.save_captures(gi.executor(), gi.captures());
+    const VolumeStatistics statistics = gi.statistics();
+    const std::optional<ImageError> error = run.error_of(gi.picture());
+    print_summary(run.times(), gi, statistics, session.seconds(), error);
+    run.report(device, gi.executor(), {{"volume", to_json(statistics, picture.mode)}}, error);
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_program([&] { return render(argc, argv); });
+}
