@@ -2,10 +2,11 @@
 // Sparse float grids of OpenVDB files, made dense.
 #include "framework/io/volume_readers.hpp"
 
-#include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 
+#include <fstream>
 #include <new>
 
 namespace ockham {
@@ -15,14 +16,6 @@ using openvdb::FloatGrid;
 
 glm::ivec3 from(const openvdb::Coord& coord) { return {coord.x(), coord.y(), coord.z()}; }
 glm::dvec3 from(const openvdb::Vec3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
-std::vector<std::string> names_of_grids(const openvdb::io::File& file) {
-    std::vector<std::string> names;
-    for (auto name = file.beginName(); name != file.endName(); ++name) {
-        names.push_back(name.gridName());
-    }
-    return names;
-}
 
 /// The voxels from the first to the last active one, and a border of the background.
 Volume dense(const FloatGrid& grid, const std::string& file) {
@@ -56,23 +49,30 @@ Volume load_openvdb_volume(const std::filesystem::path& path, const std::string&
     const std::string name = path.string();
     try {
         openvdb::initialize();
-        openvdb::io::File file(name);
-        file.open(/*delayLoad=*/false);
-        std::vector<std::string> notes;
-        const std::vector<std::string> names = names_of_grids(file);
-        const std::string& chosen = names[choose_part(name, "grid", names, wanted, notes)];
-        const openvdb::GridBase::Ptr grid = file.readGrid(chosen);
+        // All grids from a stream that throws: io::File goes on after the end of a file, with
+        // whatever its variables hold, for minutes or into wrong voxels.
+        std::ifstream file(path, std::ios::binary);
+        file.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+        const auto grids = openvdb::io::Stream(file, /*delayLoad=*/false).getGrids();
+        std::vector<std::string> names, notes;
+        for (const auto& grid : *grids) names.push_back(grid->getName());
+        const std::size_t chosen = choose_part(name, "grid", names, wanted, notes);
+        const openvdb::GridBase::Ptr grid = (*grids)[chosen];
         const auto floats = openvdb::gridPtrCast<FloatGrid>(grid);
         if (!floats) {
             fail_input("cannot load volume '{}': grid '{}' has values of type {}, expected float; "
                        "choose another grid or convert it",
-                name, chosen, grid->valueType());
+                name, names[chosen], grid->valueType());
         }
         Volume volume = dense(*floats, name);
         volume.notes.insert(volume.notes.begin(), notes.begin(), notes.end());
         return volume;
     } catch (const Error&) {
         throw;
+    } catch (const std::ios::failure&) {
+        fail_input("cannot load volume '{}': it cannot be read to the end of its grids; it is "
+                   "damaged or cut off",
+            name);
     } catch (const std::bad_alloc&) {
         fail_input("cannot load volume '{}': out of memory", name);
     } catch (const std::exception& error) {
