@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # ockham_find_volume_readers() : sets, for each of the optional libraries that volumes are read
 # with, <name>_FOUND, <name>_INCLUDES (folders) and <name>_FILES (libraries to link, mostly as files), where
-# <name> is ITK, OPENVDB, NANOVDB. Says in one line what is left out, and why.
+# <name> is ITK, OPENVDB, NANOVDB. Says in one line what is left out, and the packages to install.
 # Files, because ITK's targets have no namespace that an installed package could find them by.
 option(OCKHAM_ITK "Read NRRD, NIfTI, MetaImage and DICOM with ITK, where it is found" ON)
 option(OCKHAM_OPENVDB "Read .vdb with OpenVDB, where it is found" ON)
 option(OCKHAM_NANOVDB "Read .nvdb with NanoVDB, where it is found" ON)
 
 function(ockham_find_volume_readers)
-  set(off)
+  set(missing)
   foreach(name ITK OPENVDB NANOVDB)
     set(${name}_FOUND FALSE)
     set(${name}_INCLUDES)
@@ -29,7 +29,7 @@ function(ockham_find_volume_readers)
       list(APPEND ITK_FILES ${file})
     endforeach()
   else()
-    list(APPEND off "no .nrrd .nii .mhd .mha and DICOM (libinsighttoolkit5-dev)")
+    list(APPEND missing "no .nrrd .nii .mhd .mha and DICOM (libinsighttoolkit5-dev)")
   endif()
 
   # Debian's FindOpenVDB.cmake stops where Boost's libraries are missing. Its headers want those of
@@ -47,7 +47,7 @@ function(ockham_find_volume_readers)
     endif()
   endif()
   if(NOT OPENVDB_FOUND)
-    list(APPEND off "no .vdb (libopenvdb-dev libboost-dev)")
+    list(APPEND missing "no .vdb (libopenvdb-dev libboost-dev)")
   endif()
 
   if(OCKHAM_NANOVDB)
@@ -59,12 +59,12 @@ function(ockham_find_volume_readers)
     endif()
   endif()
   if(NOT NANOVDB_FOUND)
-    list(APPEND off "no .nvdb (libnanovdb-dev)")
+    list(APPEND missing "no .nvdb (libnanovdb-dev)")
   endif()
 
-  if(off)
-    list(JOIN off ", " off)
-    message(STATUS "Volumes: ${off}")
+  if(missing)
+    list(JOIN missing ", " missing)
+    message(STATUS "Volumes: ${missing}")
   endif()
   foreach(name ITK OPENVDB NANOVDB)
     foreach(what FOUND INCLUDES FILES)
