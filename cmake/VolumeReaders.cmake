@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # ockham_find_volume_readers() : sets, for each of the optional libraries that volumes are read
-# with, <name>_FOUND, <name>_INCLUDES (folders) and <name>_FILES (libraries to link, mostly as files), where
-# <name> is ITK, OPENVDB, NANOVDB. Says in one line what is left out, and the packages to install.
-# Files, because ITK's targets have no namespace that an installed package could find them by.
+# with, <name>_FOUND, <name>_INCLUDES (folders) and <name>_FILES (what to link), where <name> is ITK,
+# OPENVDB, NANOVDB. Says in one line what is left out, and the packages to install.
+# Libraries are named as files, because ITK's targets have no namespace that an installed package
+# could find them by.
 option(OCKHAM_ITK "Read NRRD, NIfTI, MetaImage and DICOM with ITK, where it is found" ON)
 option(OCKHAM_OPENVDB "Read .vdb with OpenVDB, where it is found" ON)
 option(OCKHAM_NANOVDB "Read .nvdb with NanoVDB, where it is found" ON)
