@@ -63,8 +63,6 @@ void add_restart(Graph& graph, PathTrace& out, std::vector<Band>& bands) {
 /// One dispatch per band, which takes `samples` more of each of its pixels.
 void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& params,
     std::uint32_t samples, const PathCache& cache, PathTrace& out, std::vector<Band>& bands) {
-    const std::uint32_t most =
-        (in.surfaces || params.mode == PathMode::gather) ? kPathIterationsNested : kPathIterations;
     const std::string shader = medium_variant("volume/path_trace.comp", name_of(params.mode), in);
     for (std::size_t i = 0; i < bands.size(); ++i) {
         Band& band = bands[i];
@@ -84,7 +82,7 @@ void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& para
         const shader::PathTracePush push{.first_row = band.first_row,
             .rows = band.rows,
             .samples = samples,
-            .iterations = params.iterations > 0 ? std::min(params.iterations, most) : most,
+            .iterations = std::min(params.iterations, kPathIterations),
             .jitter = params.jitter ? 1u : 0u,
             .nee = params.nee ? 1u : 0u};
         pass.record([push, shader, width = params.width](Commands& commands) {

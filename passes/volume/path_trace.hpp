@@ -18,19 +18,18 @@ enum class PathMode : std::uint8_t {
     gather,     ///< as noncaching, but the second collision reads the cache
 };
 
-/// Most iterations of an invocation. Drivers that count the iterations of all loops, of all lanes
-/// that run together, stop kernels at 65,535; these leave room for eight lanes.
-inline constexpr std::uint32_t kPathIterations = 40000;      ///< one loop, no surfaces, no cache
-inline constexpr std::uint32_t kPathIterationsNested = 7000; ///< where iterations have inner loops
+/// Most iterations of an invocation, of all its loops. Drivers that count them stop kernels
+/// silently at 65,535.
+inline constexpr std::uint32_t kPathIterations = 60000;
 
 struct PathTraceParams {
     std::uint32_t width = 0, height = 0; ///< pixels
     PathMode mode = PathMode::path;
-    std::uint32_t samples_per_step = 1;    ///< per pixel and execution, >= 1
-    std::uint32_t iterations = 0;          ///< budget of an invocation; 0: the most
-    bool jitter = true;                    ///< box filter over pixels; false: their centres
-    bool nee = true;                       ///< --nee: light is sampled at collisions
-    std::uint64_t buffer_bytes = 1u << 27; ///< most that a kernel can bind of a buffer
+    std::uint32_t samples_per_step = 1;         ///< per pixel and execution, >= 1
+    std::uint32_t iterations = kPathIterations; ///< budget of an invocation
+    bool jitter = true;                         ///< box filter over pixels; false: their centres
+    bool nee = true;                            ///< --nee: light is sampled at collisions
+    std::uint64_t buffer_bytes = 1u << 27;      ///< most that a kernel can bind of a buffer
 };
 
 /// Conditions of an execution.

@@ -8,8 +8,7 @@
 //               scattering, surfaces are black
 //   GATHER      as NONCACHING, but in-scattering at the second collision is read from the cache
 //   CELLS       mean radiance that arrives at a point; surfaces are black
-// advance() is one iteration of one flat loop: a tentative collision, a cell crossed, or a part of the
-// search for surfaces; lanes in different stages of different samples keep each other company:
+// advance() is one iteration of one flat loop over the stages of all samples:
 //   Path path = begin_camera_path(...);  Tracker tracker = resume(path);
 //   while (path.stage != PATH_ENDED && budget > 0u) advance(path, tracker, budget);
 //   suspend(path, tracker);   // to be stored; the next dispatch goes on with resume(path)
@@ -36,7 +35,20 @@
 #endif
 
 const float kRouletteTransmittance = 0.1; // shadow rays below it live on by chance
-const uint kSearchSlice = 16u;            // iterations of the search for surfaces at a time
+
+// Iterations of loops within one call of advance(): steps along a ray, of the search for surfaces (a
+// slice, and a bisection of 20), of a lookup in the cache, of clip planes. Lanes that run together
+// take them together, so that the sum bounds those of all.
+const uint kStride = 8u;
+const uint kSearchSlice = 16u;
+const uint kAdvanceIterations = 1u + kStride + MAX_CLIP_PLANES
+#ifdef SURFACES
+    + kSearchSlice + 20u
+#endif
+#ifdef GATHER
+    + 150u
+#endif
+    ;
 
 uint path_steps = 0u;   // tentative collisions, a lookup of the field each
 uint path_clamped = 0u; // those with an extinction above its majorant: never
@@ -56,6 +68,14 @@ vec4 draw(inout Path path) {
     vec4 xi = next4(random);
     path.random.w = random.set;
     return xi;
+}
+/// As of medium_of(), which reads more.
+float extinction_of(float value) {
+    uint entry;
+    float fraction;
+    table_place(value, entry, fraction);
+    return frame.data.density_scale *
+        mix(transfer.entries[entry].w, transfer.entries[entry + 1u].w, fraction);
 }
 float greatest_of(vec3 v) { return max(max(v.x, v.y), v.z); }
 
@@ -162,7 +182,7 @@ void play_roulette(inout Path path, float xi) {
 }
 
 /// A real collision at `position`. xi: uniform for the roulette, then two for the direction.
-void meet_medium(inout Path path, vec3 position, Medium medium, vec3 xi, inout uint budget) {
+void meet_medium(inout Path path, vec3 position, Medium medium, vec3 xi) {
 #ifndef CELLS
     if (path.bounces == 0u) path.throughput *= frame.data.volume_gain;
 #endif
@@ -174,7 +194,8 @@ void meet_medium(inout Path path, vec3 position, Medium medium, vec3 xi, inout u
     if (path.bounces > frame.data.max_bounces) path.throughput = vec3(0.0);
 #ifdef GATHER
     if (path.bounces > 1u) {
-        vec3 arriving = cached_in_scatter(unit_from_world(position), path.direction, budget);
+        uint slice = 150u;
+        vec3 arriving = cached_in_scatter(unit_from_world(position), path.direction, slice);
         path.radiance += path.throughput * arriving;
         path.stage = PATH_ENDED;
         return;
@@ -252,7 +273,7 @@ Path begin_cell_path(vec3 position, Random random) {
 #endif
 
 /// How the present ray goes through the box; false: surfaces are still being searched for.
-bool set_out(inout Path path, inout Tracker tracker, vec3 direction, inout uint budget) {
+bool set_out(inout Path path, inout Tracker tracker, vec3 direction) {
     float near, far;
     vec3 entry_normal;
     if (!clip_ray(path.origin, direction, near, far, entry_normal)) near = far = 0.0;
@@ -271,7 +292,6 @@ bool set_out(inout Path path, inout Tracker tracker, vec3 direction, inout uint 
         uint slice = kSearchSlice;
         bool found = find_surface(path.origin, direction, from, far, path.search < 0.0, entry_normal,
             slice, tracker.hit);
-        budget -= min(budget, kSearchSlice - slice);
         if (!found && tracker.hit.t < far) { // the slice is used up
             path.search = tracker.hit.t;
             tracker.ready = false;
@@ -282,80 +302,77 @@ bool set_out(inout Path path, inout Tracker tracker, vec3 direction, inout uint 
     return tracker.ready;
 }
 
-/// One iteration of a path that has not ended; takes at least 1 from the budget, which must be > 0.
+/// Goes on with a path that has not ended: where its ray leads, if that is not known, then some steps
+/// along it, then what happens there. All lanes do one after the other together.
 void advance(inout Path path, inout Tracker tracker, inout uint budget) {
-    --budget;
+    budget -= min(budget, kAdvanceIterations);
     bool shadow = path.stage == PATH_SHADOW;
     vec3 direction = shadow ? path.to_light : path.direction;
-    if (!tracker.ready && !set_out(path, tracker, direction, budget)) return;
+    if (!tracker.ready && !set_out(path, tracker, direction)) return;
 
-    float majorant = cell_majorant(cell_index(tracker.walk));
-    float leaves = min(majorant_exit(tracker.walk), tracker.limit);
-    float most = majorant * max(leaves - path.t, 0.0);
-    bool collides = path.depth < most;
-    if (collides) {
-        path.t += path.depth / majorant;
-    } else {
-        path.depth -= most;
-        path.t = max(path.t, leaves);
-        if (leaves < tracker.limit) {
-            next_cell(tracker.walk);
+    vec4 xi = vec4(0.0);
+    float value = 0.0, chance = 0.0; // of the field, and that the collision is real
+    bool collided = false, arrived = false; // for real; at a surface or where the medium ends
+    for (uint i = 0u; i < kStride && !collided && !arrived; ++i) {
+        float majorant = cell_majorant(cell_index(tracker.walk));
+        float leaves = min(majorant_exit(tracker.walk), tracker.limit);
+        float most = majorant * max(leaves - path.t, 0.0);
+        if (path.depth < most) {
+            path.t += path.depth / majorant;
+            xi = draw(path);
+            path.depth = -log(xi.x);
+            value = field((tracker.walk.origin + path.t * tracker.walk.direction) *
+                (float(RANGE_CELL) / vec3(frame.data.dims)));
+            chance = extinction_of(value) / majorant;
+            ++path_steps;
+            if (chance > 1.0 + 1e-4) ++path_clamped;
+            chance = min(chance, 1.0);
+            if (shadow) {
+                path.transmittance *= 1.0 - chance;
+                if (path.transmittance < kRouletteTransmittance) {
+                    bool lives = xi.y * kRouletteTransmittance < path.transmittance;
+                    path.transmittance = lives ? kRouletteTransmittance : 0.0;
+                }
+                collided = path.transmittance == 0.0;
+            } else {
+                collided = xi.y < chance;
+            }
+        } else {
+            path.depth -= most;
+            path.t = max(path.t, leaves);
+            arrived = leaves >= tracker.limit;
+            if (!arrived) next_cell(tracker.walk);
+        }
+    }
+    if (!collided && !arrived) return;
+    tracker.ready = false;
+
+#ifdef SURFACES
+    if (arrived && tracker.hit.surface != kNoSurface) {
+        float opacity = frame.data.surfaces[tracker.hit.surface].opacity;
+        xi = draw(path);
+        if (shadow) path.transmittance *= 1.0 - opacity;
+        collided = shadow ? path.transmittance == 0.0 : xi.x < opacity;
+        if (!shadow && collided) {
+            meet_surface(path, tracker.hit, xi);
+            return;
+        }
+        if (!collided) { // goes on behind it
+            path.search = tracker.hit.t + beyond_hit();
+            path.cell = pack_cell(tracker.walk);
             return;
         }
     }
-
-    bool arrives = !collides; // at the end of the medium, or at a surface
-    vec4 xi = vec4(0.0);
-#ifdef SURFACES
-    bool at_surface = arrives && tracker.hit.surface != kNoSurface;
-    if (collides || at_surface) xi = draw(path);
-#else
-    if (collides) xi = draw(path);
 #endif
-
-    if (collides) {
-        ++path_steps;
-        path.depth = -log(xi.x);
-        vec3 unit = (tracker.walk.origin + path.t * tracker.walk.direction) *
-            (float(RANGE_CELL) / vec3(frame.data.dims));
-        Medium medium = medium_of(field(unit));
-        float chance = medium.sigma_t / majorant; // that the collision is real
-        if (chance > 1.0 + 1e-4) ++path_clamped;
-        chance = min(chance, 1.0);
-        if (shadow) {
-            path.transmittance *= 1.0 - chance;
-            if (path.transmittance < kRouletteTransmittance)
-                path.transmittance = xi.y * kRouletteTransmittance < path.transmittance ? kRouletteTransmittance : 0.0;
-        } else if (xi.y < chance) {
-            meet_medium(path, path.origin + path.t * path.direction, medium,
-                vec3(xi.y / chance, xi.zw), budget);
-            tracker.ready = false;
-        }
-    }
-#ifdef SURFACES
-    if (at_surface) {
-        float opacity = frame.data.surfaces[tracker.hit.surface].opacity;
-        arrives = false;
-        if (shadow) path.transmittance *= 1.0 - opacity;
-        if (!shadow && xi.x < opacity) {
-            meet_surface(path, tracker.hit, xi);
-        } else { // goes on behind it
-            path.search = tracker.hit.t + beyond_hit();
-            suspend(path, tracker);
-        }
-        tracker.ready = false;
-    }
-#endif
-
     if (shadow) {
-        if (arrives || path.transmittance == 0.0) {
-            path.radiance += path.pending * path.transmittance;
-            path.stage = greatest_of(path.throughput) > 0.0 ? PATH_FLIGHT : PATH_ENDED;
-            path.t = -1.0;
-            path.search = 0.0;
-            tracker.ready = false;
-        }
-    } else if (arrives) {
+        path.radiance += path.pending * path.transmittance;
+        path.stage = greatest_of(path.throughput) > 0.0 ? PATH_FLIGHT : PATH_ENDED;
+        path.t = -1.0;
+        path.search = 0.0;
+    } else if (collided) {
+        vec3 position = path.origin + path.t * path.direction;
+        meet_medium(path, position, medium_of(value), vec3(xi.y / chance, xi.zw));
+    } else {
         path.radiance += path.throughput * escaped_radiance(path);
         path.stage = PATH_ENDED;
     }

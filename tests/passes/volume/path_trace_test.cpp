@@ -677,7 +677,7 @@ TEST_F(PathTraceTest, BudgetsChangeNoBitOfSurfaces) {
     it.options.view.density_scale = 8;
     for (const PathMode mode : {PathMode::path, PathMode::noncaching}) {
         it.params.mode = mode;
-        it.params.iterations = 0;
+        it.params.iterations = kPathIterations;
         const Result whole = trace(it);
         it.params.iterations = 50;
         const Result pieces = trace(it);
