@@ -30,22 +30,25 @@ struct Scene {
     Volume volume;
     TransferFunction transfer = linear_transfer();
     VolumeBench::Options options{.width = 16, .height = 16, .camera = straight_camera()};
-    glm::vec3 light{0.0f}; ///< cached, everywhere
+    glm::vec3 light{0.0f};         ///< cached, everywhere; or:
+    std::vector<glm::vec3> lights; ///< in layers along y, between which it is interpolated
     ComposeParams params;
     std::uint32_t executions = 1;
     std::vector<glm::vec2> surface_depth; ///< not empty: as add_surface_depth() would give it
 };
 
-/// A cell as large as the volume.
-std::vector<std::uint32_t> one_cell(glm::uvec3 dims) {
+/// The index of a cache whose cells lie in so many layers along y, a slot for each layer.
+std::vector<std::uint32_t> layered_cache(glm::uvec3 dims, std::uint32_t layers) {
     shader::CacheHeader header{};
-    header.cells = glm::uvec3(1);
-    header.scale = std::max({dims.x, dims.y, dims.z});
+    header.cells = {layers, layers, layers};
+    header.scale = std::max({dims.x, dims.y, dims.z}) / layers;
     header.format = CACHE_FP32;
     header.words = 3;
-    header.slots = 1;
-    std::vector<std::uint32_t> words(sizeof(header) / 4 + 1); // the last: its slot, 0
+    header.slots = layers;
+    std::vector<std::uint32_t> words(sizeof(header) / 4);
     std::memcpy(words.data(), &header, sizeof(header));
+    for (std::uint32_t i = 0; i < layers * layers * layers; ++i)
+        words.push_back(i / layers % layers);
     return words;
 }
 
@@ -54,10 +57,12 @@ class ComposeBench : public VolumeBench {
 public:
     ComposeBench(gpu::Device& device, const Scene& scene)
         : VolumeBench(device, scene.volume, scene.transfer, scene.options) {
+        std::vector<glm::vec3> lights = scene.lights;
+        if (lights.empty()) lights = {scene.light};
+        const auto layers = static_cast<std::uint32_t>(lights.size());
         ComposeInputs in{.medium = inputs,
-            .cache_index = buffer("cache_index", one_cell(scene.volume.dims)),
-            .cache_cells = buffer("cache_cells", std::vector{scene.light}),
-            .surface_depth = {}};
+            .cache_index = buffer("cache_index", layered_cache(scene.volume.dims, layers)),
+            .cache_cells = buffer("cache_cells", lights)};
         ComposeParams params = scene.params;
         params.width = scene.options.width;
         params.height = scene.options.height;
@@ -305,6 +310,21 @@ TEST_F(ComposeTest, FurnacesAreWhiteWhateverIsInThem) {
             ASSERT_LE(p.a, 1.0f);
         }
     }
+}
+
+TEST_F(ComposeTest, LightThatVariesLinearlyIsSummedToSecondOrder) {
+    // Cached light 1 up to y = 1/4, 3 from 3/4 on, linear between, in a medium that only scatters.
+    Scene scene(constant_volume(glm::uvec3(16)));
+    scene.lights = {glm::vec3(1.0f), glm::vec3(3.0f)};
+    scene.options.view.density_scale = 2.0f;
+    scene.options.view.environment = glm::vec3(0.0f);
+    scene.params.jitter = false;
+    double expected = 0;
+    for (int i = 0; i < 10000; ++i) {
+        const double t = (i + 0.5) / 10000;
+        expected += 2e-4 * std::exp(-2 * t) * std::clamp(4 * t, 1.0, 3.0);
+    }
+    for (const glm::vec4& p : compose(scene)) ASSERT_NEAR(p.r, expected, 5e-4);
 }
 
 TEST_F(ComposeTest, AFurnaceIsWhiteWithTheLightThatPathsFind) {
