@@ -22,8 +22,7 @@ std::string medium_variant(
     return shader_variant(shader,
         {{mode, !mode.empty()}, {"emission", in.facts.emission},
             {"grid", use.tracking && bool(in.majorants)}, {"surfaces", use.surfaces && in.surfaces},
-            {"environment_map", use.light && in.facts.environment_map},
-            {"sobol", use.tracking && in.sobol}});
+            {"environment_map", use.light && in.facts.environment_map}});
 }
 
 } // namespace ockham

@@ -18,7 +18,6 @@ struct MediumInputs {
     BufferHandle ranges;    ///< vec2 per range cell: least and greatest texel value; with surfaces
     BufferHandle majorants; ///< float per range cell: greatest opacity; not where homogeneous
     bool surfaces = false;  ///< there is an isovalue
-    bool sobol = true;      ///< --sampler
 };
 
 /// Which of them a kernel reads; the medium itself always.
@@ -31,7 +30,7 @@ struct MediumUse {
 /// Declares the reads under the names of shaders/volume/*.glsl.
 void read_medium(PassBuilder& pass, const MediumInputs& in, const MediumUse& use = {});
 
-/// "volume/path_trace.comp:noncaching,emission,grid,surfaces,environment_map,sobol": `mode` (may be
+/// "volume/path_trace.comp:noncaching,emission,grid,surfaces,environment_map": `mode` (may be
 /// empty), then of these features those that `use` and the inputs have, in this order.
 std::string medium_variant(std::string_view shader, std::string_view mode, const MediumInputs& in,
     const MediumUse& use = {});

@@ -2,9 +2,9 @@
 // Random numbers keyed by (seed, stream, sample, set of dimensions), so that no two pixels, cells,
 // samples or dimensions share one, and any can be had without those before it: hashes (pcg4d of
 // Jarzynski and Olano 2020, a bijection).
-//   SOBOL     the first kSobolSets sets of a stream are Owen-scrambled Sobol points over its
-//             samples: pairs xy and zw of a set are each a (0, 2)-sequence, shuffled by itself
-//             (Burley 2020, "Practical hash-based Owen scrambling"). No loops.
+// The first kSobolSets sets of a stream, which independent samples skip, are Owen-scrambled Sobol
+// points over its samples: pairs xy and zw of a set are each a (0, 2)-sequence, shuffled by itself
+// (Burley 2020, "Practical hash-based Owen scrambling"). No loops.
 #ifndef OCKHAM_RANDOM_GLSL
 #define OCKHAM_RANDOM_GLSL
 
@@ -15,7 +15,12 @@ struct Random {
     uint set;    // next set of four dimensions
 };
 
-Random make_random(uint seed, uint stream, uint index) { return Random(seed, stream, index, 0u); }
+const uint kSobolSets = 64u; // beyond them paths are too long for stratification to last
+
+/// Of sample `index`; `sobol`: the samples of the stream avoid each other, else they are independent.
+Random make_random(uint seed, uint stream, uint index, bool sobol) {
+    return Random(seed, stream, index, sobol ? 0u : kSobolSets);
+}
 
 uvec4 hash4(uvec4 v) {
     v = v * 1664525u + 1013904223u;
@@ -33,10 +38,6 @@ uvec4 hash4(uvec4 v) {
 
 /// To (0, 1): neither end is ever met, so logarithms are finite.
 vec4 open_unit(uvec4 bits) { return (vec4(bits >> 9u) + 0.5) * 1.1920929e-7; }
-
-#ifdef SOBOL
-
-const uint kSobolSets = 64u; // beyond them paths are too long for stratification to last
 
 /// A permutation that changes each bit by those below it only: on reversed bits, an Owen scrambling
 /// (Laine and Karras 2011, with the constants of Vegdahl 2021).
@@ -63,12 +64,9 @@ uvec2 sobol2(uint reversed_index, uint order, uvec2 seeds) {
         scramble(bitfieldReverse(second), seeds.y)));
 }
 
-#endif
-
 /// Four numbers in (0, 1).
 vec4 next4(inout Random random) {
     uint set = random.set++;
-#ifdef SOBOL
     // One hash serves both: of the stream as a seed of its points, of the sample beyond them.
     bool points = set < kSobolSets;
     uvec4 bits = hash4(uvec4(random.seed, random.stream, points ? ~0u : random.index, set));
@@ -77,9 +75,6 @@ vec4 next4(inout Random random) {
         uint index = bitfieldReverse(random.index);
         bits = uvec4(sobol2(index, orders.x, bits.xy), sobol2(index, orders.y, bits.zw));
     }
-#else
-    uvec4 bits = hash4(uvec4(random.seed, random.stream, random.index, set));
-#endif
     return open_unit(bits);
 }
 

@@ -220,7 +220,8 @@ void main() {
     uint count = imageLoad(compose_count, pixel).x;
     uint samples = count >> 1u;
 
-    Random random = make_random(frame.data.seed, uint(pixel.y) * frame.data.size.x + uint(pixel.x), samples);
+    Random random = make_random(frame.data.seed, uint(pixel.y) * frame.data.size.x + uint(pixel.x), samples,
+        frame.data.sobol != 0u);
     vec4 xi = next4(random);
     vec2 place = push.jitter != 0u ? xi.xy : vec2(0.5);
 #ifdef DEPTH_IMAGE

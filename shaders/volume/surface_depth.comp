@@ -41,7 +41,8 @@ vec2 search(vec3 origin, vec3 direction, float near, float far, vec3 entry_norma
 }
 #else
 float uniform_of(ivec2 pixel, uint index) {
-    Random random = make_random(frame.data.seed, uint(pixel.y) * frame.data.size.x + uint(pixel.x), index);
+    Random random = make_random(
+        frame.data.seed, uint(pixel.y) * frame.data.size.x + uint(pixel.x), index, false);
     return next4(random).x;
 }
 #endif

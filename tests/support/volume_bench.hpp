@@ -18,7 +18,7 @@ public:
         std::uint32_t width = 64, height = 64;
         Camera camera = volume_camera();
         Image environment = {};
-        bool sobol = false; ///< tests of expectations use the independent sampler
+        bool sobol = false; ///< tests of expectations need independent samples
     };
 
     VolumeBench(gpu::Device& device, const Volume& volume, const TransferFunction& transfer,
@@ -28,9 +28,9 @@ public:
               place_of(volume), gpu, options.camera, options.width, options.height, options.view)) {
         inputs.facts = gpu.facts();
         inputs.handles = gpu.import(graph);
+        frame.sobol = options.sobol ? 1u : 0u;
         inputs.frame = buffer("frame", std::vector{frame});
         inputs.surfaces = !options.view.surfaces.empty();
-        inputs.sobol = options.sobol;
         std::vector<glm::vec2> ranges;
         std::vector<float> majorants;
         for (const ValueRange& range : reference::cell_ranges(volume)) {
