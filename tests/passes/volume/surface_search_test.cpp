@@ -299,6 +299,27 @@ TEST_F(SurfaceSearchTest, PlateausAtTheIsovalueAreInside) {
     }
 }
 
+TEST_F(SurfaceSearchTest, CrossingsOnTheFacesOfCellsFallThroughNoCrack) {
+    // The field is the layer's number, the isovalue a layer's: cells end or begin just there.
+    // Frames put isovalues 2^-22 lower, this one on the layer itself.
+    Scene scene(
+        device(), float_volume({8, 8, 8}, [](glm::uvec3 v) { return v.z; }), {4 * (1 + 0x1p-22)});
+    const std::vector<Ray> rays = random_rays(scene, 40000, 22, false);
+    const std::vector<Hit> hits = scene.find(rays);
+    ASSERT_EQ(scene.values[0], 4.0);
+    const double layer = 4.5 / 8 - 0.5;
+    std::size_t crossings = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const double o = double{rays[i].origin.z}, d = double{rays[i].direction.z};
+        const double t = (layer - o) / d;
+        if (t < double{rays[i].t0} + 1e-4 || t > double{rays[i].t1} - 1e-4) continue;
+        ++crossings;
+        ASSERT_EQ(hits[i].found, 1u) << i;
+        ASSERT_NEAR(double{hits[i].t}, t, 2e-4 / std::abs(d) * scene.voxel()) << i;
+    }
+    EXPECT_GT(crossings, 10000u);
+}
+
 TEST_F(SurfaceSearchTest, NormalsFollowTheGradientAndNeverFail) {
     Volume volume = noise({8, 8, 8}, 16);
     volume.spacing_mm = {1, 2, 3};
