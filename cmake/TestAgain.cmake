@@ -22,7 +22,7 @@ set(OCKHAM_NOT_ON_SWIFTSHADER
 set(OCKHAM_GPU_ASSISTED
   GpuAssistedTest.* BucketsTest.* GbufferTest.* MetricsTest.* ResolveTest.* SurfaceAovTest.*
   ShadowMapTest.HolesOfAMaskLetTheSunThrough
-  AdaptiveAaTest.LoopAndBucketsMakeTheSamePicture)
+  AdaptiveAaTest.LoopAndBucketsMakeTheSamePicture SurfaceDepthTest.SolidAtTheStartIsHitThere)
 
 set(OCKHAM_SWIFTSHADER_DIR ${PROJECT_SOURCE_DIR}/build/swiftshader CACHE PATH
   "Folder of vk_swiftshader_icd.json and its library; tests on it are registered if they exist")
