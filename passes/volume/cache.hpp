@@ -28,8 +28,8 @@ struct CacheParams {
     float target_error = 0.02f;           ///< relative standard error of each cell's mean, >= 0
     std::uint32_t working_set = 1u << 19; ///< cells that are refined at a time, >= 64
     std::uint32_t paths = 8; ///< of the neediest cells in one execution: a power of two, >= 8
-    std::uint32_t iterations = 4000; ///< loop budget of an invocation, >= 1
-    std::uint32_t capacity = 1;      ///< cells that hold memory: CacheSize::slots
+    std::uint32_t iterations = 20000; ///< loop budget of an invocation, >= 1
+    std::uint32_t capacity = 1;       ///< cells that hold memory: CacheSize::slots
 };
 
 struct CacheSize {

@@ -17,7 +17,7 @@ OCKHAM_SHARED_BEGIN
 #define CACHE_SCAN_WIDTH 256   // one workgroup
 #define CACHE_SET_WIDTH 1024u  // of the working set, laid out as an image for add_buckets()
 #define CACHE_BUCKETS 5u       // bucket b + 1: 0, 1/8, 1/4, 1/2, 1 of CachePush::paths
-#define CACHE_PUBLISH_PATHS 8u // a new value replaces an old one from so many paths on
+#define CACHE_REPLACE_PATHS 8u // a new value replaces an old one from so many paths on
 #define CACHE_TRUST_PATHS 32u  // a variance of fewer paths says nothing
 
 // A word of the index: slot in the low 25 bits, the place of the representative point, and whether
@@ -61,8 +61,9 @@ struct CacheSum {
     uint word;          ///< of the index
     float contribution; ///< (0, 1]: opacity of the cell
     uint owed;          ///< paths that were ordered and have not ended
+    uint least;         ///< paths from which on readers see the mean
 };
-OCKHAM_SHARED_SIZE(CacheSum, 48);
+OCKHAM_SHARED_SIZE(CacheSum, 52);
 
 /// A path of a cell that the loop budget has interrupted.
 struct CachePath {

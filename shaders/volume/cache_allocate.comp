@@ -2,6 +2,7 @@
 // reads cache_sums and the round's goal; orders paths for the cells of the working set, and writes
 // cache_counts, by which add_buckets() sorts them: 1 for none, then 1/8, 1/4, 1/2, 1 of push.paths.
 //   urgency = (relative standard error / goal)^2 * contribution, where the error exceeds the goal
+// The first paths double with each execution, so that there is some light everywhere soon.
 // A cell gets new paths only once all that were ordered before have ended, and by its own sums alone,
 // so that neither the loop budget nor other cells change what it gets.
 #version 460
@@ -18,7 +19,7 @@ layout(push_constant, scalar) uniform Push { CachePush push; };
 
 uint wanted(CacheSum sum) {
     if (sum.cell == CACHE_NONE) return 0u;
-    if (sum.count < CACHE_TRUST_PATHS) return push.paths;
+    if (sum.count < CACHE_TRUST_PATHS) return clamp(sum.count, push.paths / 8u, push.paths);
     float goal = cache_control.data.goal;
     if (cache_within(sum, goal)) return 0u;
     float bound = goal * cache_scale_of_error(sum);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// reads cache_index; fills the working set with the block of slots that begins: cache_sums at zero,
-// with the opacity of each cell as its contribution, cache_paths with none under way.
+// reads cache_index and cache_cells; fills the working set with the block of slots that begins:
+// cache_sums at zero, with the opacity of each cell as its contribution, cache_paths with none under
+// way. Where readers see an older value, they go on with it for a while; else any value is better.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "volume/medium.glsl"
@@ -9,6 +10,7 @@
 layout(local_size_x = 64) in;
 
 layout(scalar, binding = 8) readonly buffer CacheIndex { CacheHeader header; uint words[]; } cache_index;
+layout(scalar, binding = 9) readonly buffer CacheCells { uint words[]; } cache_cells;
 layout(scalar, binding = 10) readonly buffer Control { CacheControl data; } cache_control;
 layout(scalar, binding = 11) writeonly buffer Sums { CacheSum items[]; } cache_sums;
 layout(scalar, binding = 12) writeonly buffer Paths { CachePath items[]; } cache_paths;
@@ -41,7 +43,7 @@ void main() {
     CacheHeader header = cache_index.header;
     uint first = cache_control.data.block * push.set;
     uint slots = min(header.slots, push.capacity);
-    CacheSum empty = CacheSum(vec3(0.0), 0.0, vec3(0.0), 0u, CACHE_NONE, CACHE_NONE, 0.0, 0u);
+    CacheSum empty = CacheSum(vec3(0.0), 0.0, vec3(0.0), 0u, CACHE_NONE, CACHE_NONE, 0.0, 0u, 0u);
     if (i < push.set && first + i >= slots) put(i, empty); // the last block may not fill the set
 
     if (i >= header.cells.x * header.cells.y * header.cells.z) return;
@@ -53,6 +55,8 @@ void main() {
     if (word >> CACHE_PLACE_SHIFT != CACHE_PLACE_SOLID) {
         sum.cell = i;
         sum.word = word;
+        bool old = cache_cells.words[slot * header.words] != CACHE_UNREFINED;
+        sum.least = old ? CACHE_REPLACE_PATHS : 1u;
         sum.contribution = contribution_of(cache_cell(i, header.cells));
     }
     put(slot - first, sum);

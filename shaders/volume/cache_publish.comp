@@ -33,7 +33,7 @@ void main() {
     uint slot = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * 64u + gl_GlobalInvocationID.x;
     if (slot >= push.set) return;
     CacheSum sum = cache_sums.items[slot];
-    if (sum.cell == CACHE_NONE || sum.count < CACHE_PUBLISH_PATHS) return;
+    if (sum.cell == CACHE_NONE || sum.count < sum.least) return;
     CacheControl control = cache_control.data;
     if (control.round > 0u && !cache_within(sum, 2.0 * control.goal)) return;
 
