@@ -159,6 +159,82 @@ Volume shells(std::uint32_t side) {
     return volume;
 }
 
+/// Raises voxels (uint8) to `value` in a ball, its rim a voxel wide. Voxel coordinates; centres lie
+/// at + 1/2.
+void put_ball(Volume& volume, glm::dvec3 center, double radius, double value) {
+    const glm::ivec3 last = glm::ivec3(volume.dims) - 1;
+    const glm::ivec3 from = glm::clamp(glm::ivec3(center - radius - 1.0), glm::ivec3(0), last);
+    const glm::ivec3 to = glm::clamp(glm::ivec3(center + radius + 1.0), glm::ivec3(0), last);
+    for (int z = from.z; z <= to.z; ++z)
+        for (int y = from.y; y <= to.y; ++y)
+            for (int x = from.x; x <= to.x; ++x) {
+                const glm::dvec3 d = glm::dvec3(x, y, z) + 0.5 - center;
+                const double inside = radius + 0.5 - std::sqrt(glm::dot(d, d));
+                const double found = 255.0 * value * std::clamp(inside, 0.0, 1.0) + 0.5;
+                std::byte& voxel =
+                    volume.voxels[(std::size_t(z) * volume.dims.y + y) * volume.dims.x + x];
+                voxel = std::max(voxel, static_cast<std::byte>(found));
+            }
+}
+
+/// A cushion, soft at its rim, in air that is not quite empty.
+double tissue_density(glm::dvec3 p) {
+    const glm::dvec3 d = (p - glm::dvec3(0.5, 0.8, 0.5)) / glm::dvec3(0.46, 0.33, 0.46);
+    const double depth = 1.0 - std::sqrt(glm::dot(d, d));
+    const double fibre = 0.5 + 0.08 * gradient_noise(p * glm::dvec3(9.0, 9.0, 4.0), 80);
+    return std::max(0.012, fibre * smooth(0.0, 0.08, depth));
+}
+
+Volume fingers(std::uint32_t side) {
+    Volume volume;
+    volume.dims = glm::uvec3(side);
+    fill_bytes(volume, [&](glm::dvec3 p) { return tissue_density(p / double(side)); });
+    const int steps = 4 * int(side); // closer than a voxel along each rod
+    for (int finger = -2; finger <= 2; ++finger) {
+        const double spread = finger, shorter = 0.05 * finger * finger;
+        // A parabola from the knuckle over the bent joint to the tip.
+        const glm::dvec3 knuckle(0.5 + 0.07 * spread, 0.42, 0.14);
+        const glm::dvec3 joint(0.5 + 0.13 * spread, 0.26, 0.55 - 0.5 * shorter);
+        const glm::dvec3 tip(0.5 + 0.17 * spread, 0.42, 0.88 - shorter);
+        for (int step = 0; step <= steps; ++step) {
+            const double t = double(step) / steps;
+            const glm::dvec3 p = glm::mix(glm::mix(knuckle, joint, t), glm::mix(joint, tip, t), t);
+            put_ball(volume, p * double(side), 1.9 - 0.9 * t, 1.0);
+        }
+    }
+    return volume;
+}
+
+Volume cluster(std::uint32_t side) {
+    Volume volume;
+    volume.dims = glm::uvec3(side);
+    // How much there is, by the squared distance from the middle: 1 to 1/37.
+    const auto crowd = [](glm::dvec3 p) {
+        const glm::dvec3 d = p - 0.5;
+        const double wide = 1.0 + 20.0 * glm::dot(d, d);
+        return 1.0 / (wide * wide);
+    };
+    fill_bytes(volume, [&](glm::dvec3 p) {
+        const glm::dvec3 place = p / double(side);
+        return 0.04 * crowd(place) * smooth(0.15, 0.6, billows(place * 7.0, 4, 100));
+    });
+    constexpr int kBlobs = 4000, kTries = 16;
+    for (int blob = 0; blob < kBlobs; ++blob) {
+        const auto number = [&](int which) { // [0, 1)
+            return (hash({blob, which, 7}, 0) >> 8) * 0x1p-24;
+        };
+        // Rejection; the last try holds as it is, so that the number of blobs is sure.
+        glm::dvec3 p(0.5);
+        for (int attempt = 0; attempt < kTries; ++attempt) {
+            p = {number(4 * attempt), number(4 * attempt + 1), number(4 * attempt + 2)};
+            if (number(4 * attempt + 3) < crowd(p)) break;
+        }
+        const double radius = 0.4 + 0.9 * number(64) * number(65); // most are small
+        put_ball(volume, p * double(side), radius, 0.5 + 0.5 * number(66));
+    }
+    return volume;
+}
+
 Volume of_ones(glm::uvec3 dims) {
     Volume volume;
     volume.dims = dims;
@@ -184,6 +260,10 @@ Volume builtin_volume(const std::string& name, std::uint32_t side) {
     Volume volume;
     if (name == "builtin:cloud")
         volume = cloud(side);
+    else if (name == "builtin:fingers")
+        volume = fingers(side);
+    else if (name == "builtin:cluster")
+        volume = cluster(side);
     else if (name == "builtin:shells")
         volume = shells(side);
     else if (name == "builtin:slab")
@@ -191,8 +271,8 @@ Volume builtin_volume(const std::string& name, std::uint32_t side) {
     else if (name == "builtin:constant")
         volume = of_ones(glm::uvec3(side));
     else
-        fail_input("no volume '{}': there are builtin:cloud, builtin:shells, builtin:slab, "
-                   "builtin:constant",
+        fail_input("no volume '{}': there are builtin:cloud, builtin:fingers, builtin:cluster, "
+                   "builtin:shells, builtin:slab, builtin:constant",
             name);
     volume.name = name;
     return volume;

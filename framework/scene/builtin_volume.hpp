@@ -10,10 +10,14 @@
 
 namespace ockham {
 
-/// builtin:cloud|shells|slab|constant, `side` (1 to 1024) voxels along the longest side, 1 mm
+/// builtin:cloud|fingers|cluster|shells|slab|constant, `side` (1 to 1024) voxels along the longest side, 1 mm
 /// apart. z is up.
 ///  - cloud: a cumulus, flat below, billowed above, empty around; uint8, its height 3/4 of its
 ///  side.
+///  - fingers: five curved rods of value 255, 2 to 4 voxels thick, before a cushion of about 128,
+///    in air of 3; uint8. Their shadows fall upon it, and are thinner than cells of a coarse cache.
+///  - cluster: 4000 balls of value 128 to 255, 1 to 3 voxels across, the denser the nearer to the
+///    middle, in haze of up to 10; uint8.
 ///  - shells: eight concentric spherical shells, from the outermost to the innermost 1, 2, ... 8
 ///    voxels thick where they cross half of their value of 255, and gaps of 0 between them; as many
 ///    as fit. uint8. Surfaces below the value 100 have no holes, even through the thinnest.

@@ -27,7 +27,8 @@ double share_of_zeros(const Volume& volume) {
 }
 
 TEST(BuiltinVolumeTest, IsValid) {
-    for (const char* name : {"builtin:cloud", "builtin:shells", "builtin:slab", "builtin:constant"})
+    for (const char* name : {"builtin:cloud", "builtin:fingers", "builtin:cluster",
+             "builtin:shells", "builtin:slab", "builtin:constant"})
         for (const std::uint32_t side : {1u, 2u, 7u, 65u}) {
             const Volume volume = builtin_volume(name, side);
             EXPECT_NO_THROW(validate(volume)) << name << ' ' << side;
@@ -39,6 +40,8 @@ TEST(BuiltinVolumeTest, IsValid) {
 TEST(BuiltinVolumeTest, IsTheSameOnEveryMachine) {
     EXPECT_EQ(hash_of(builtin_volume("builtin:cloud", 48)), 2565200929695993443ull);
     EXPECT_EQ(hash_of(builtin_volume("builtin:shells", 48)), 11965771227480636525ull);
+    EXPECT_EQ(hash_of(builtin_volume("builtin:fingers", 48)), 15895159351118345271ull);
+    EXPECT_EQ(hash_of(builtin_volume("builtin:cluster", 48)), 18190124379223950177ull);
 }
 
 TEST(BuiltinVolumeTest, CloudIsEmptyAround) {
@@ -126,6 +129,59 @@ TEST(BuiltinVolumeTest, SlabAndConstantAreOne) {
     EXPECT_EQ(value_range(constant).highest, 1);
 }
 
+/// Lengths of the runs of voxels above `value` along x in one row.
+std::vector<int> runs_above(const Volume& volume, double value, int y, int z) {
+    std::vector<int> runs;
+    bool inside = false;
+    for (int x = 0; x < int(volume.dims.x); ++x) {
+        const bool above = volume.at({x, y, z}) > value;
+        if (above && !inside) runs.push_back(0);
+        if (above) ++runs.back();
+        inside = above;
+    }
+    return runs;
+}
+
+TEST(BuiltinVolumeTest, FingersAreThinAndStandFreeBeforeTissue) {
+    const Volume volume = builtin_volume("builtin:fingers");
+    // Halfway up, each rod shows once, as a spot 2 to 4 voxels wide, somewhere before the tissue.
+    const int z = 60;
+    std::vector<int> widest(128, 0); // along x, of what is seen from the front
+    int front = 128;                 // of the tissue
+    for (int y = 0; y < 128; ++y)
+        for (int x = 0; x < 128; ++x) {
+            const double value = volume.at({x, y, z});
+            if (value > 180) widest[x] = 1;
+            if (value > 60 && value < 180 && x == 64 && y > 50) front = std::min(front, y);
+        }
+    int rods = 0, width = 0;
+    for (int x = 0; x < 128; ++x) {
+        width = widest[x] > 0 ? width + 1 : 0;
+        if (width == 1) ++rods;
+        EXPECT_LE(width, 4) << x;
+    }
+    EXPECT_EQ(rods, 5);
+    // The middle rod is four times as far from the tissue as it is thick.
+    for (int y = front - 12; y < front; ++y) EXPECT_LT(volume.at({64, y, z}), 60) << y;
+}
+
+TEST(BuiltinVolumeTest, ClusterIsManySpotsOfFewVoxels) {
+    const Volume volume = builtin_volume("builtin:cluster");
+    int spots = 0, wide = 0;
+    for (int z = 0; z < 128; ++z)
+        for (int y = 0; y < 128; ++y)
+            for (const int run : runs_above(volume, 100, y, z)) {
+                ++spots;
+                wide += run > 3 ? 1 : 0;
+            }
+    EXPECT_GT(spots, 3000);
+    EXPECT_LT(wide, spots / 50);
+    std::size_t haze = 0;
+    for (const std::byte voxel : volume.voxels)
+        haze += voxel > std::byte{0} && voxel < std::byte{11};
+    EXPECT_GT(haze, volume.voxel_count() / 8);
+}
+
 TEST(BuiltinVolumeTest, RefusesOtherNamesAndSides) {
     const auto refusal = [](const std::string& name, std::uint32_t side) -> std::string {
         try {
@@ -135,8 +191,9 @@ TEST(BuiltinVolumeTest, RefusesOtherNamesAndSides) {
         }
         return "made";
     };
-    EXPECT_EQ(refusal("builtin:fog", 8), "no volume 'builtin:fog': there are builtin:cloud, "
-                                         "builtin:shells, builtin:slab, builtin:constant");
+    EXPECT_EQ(refusal("builtin:fog", 8),
+        "no volume 'builtin:fog': there are builtin:cloud, "
+        "builtin:fingers, builtin:cluster, builtin:shells, builtin:slab, builtin:constant");
     EXPECT_EQ(
         refusal("builtin:cloud", 0), "volume 'builtin:cloud': 0 voxels a side, expected 1 to 1024");
     EXPECT_EQ(refusal("builtin:cloud", 1025),
