@@ -2,11 +2,8 @@
 // Path tracing against closed forms, tables of radiative transfer and an analog twin, by z-tests
 // with fixed seeds; and its promises: furnaces, budgets, seeds, statistics.
 #include "framework/core/rng.hpp"
-#include "passes/volume/path_trace.hpp"
 #include "tests/reference/analog_tracer.hpp"
-#include "tests/support/gpu_fixture.hpp"
-#include "tests/support/volume_bench.hpp"
-#include "tests/support/z_test.hpp"
+#include "tests/support/path_case.hpp"
 
 #include <fmt/format.h>
 
@@ -23,94 +20,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A picture of a volume; its pixels are independent.
-struct Case {
-    Volume volume = float_volume(glm::uvec3(2), [](glm::uvec3) { return 1.0; });
-    TransferFunction transfer = linear_transfer();
-    VolumeBench::Options options = {};
-    PathTraceParams params = {};
-    std::uint32_t samples = 64; ///< per pixel, in two halves
-    bool global_majorant = false;
-};
-
-/// A cube of side 1 and this extinction, as wide as the middle half of a view from (0, 0, 2) with
-/// one radian from bottom to top.
-Case cube(float sigma, float albedo, float g = 0) {
-    Case setup;
-    setup.options.view.density_scale = sigma;
-    setup.options.view.albedo = albedo;
-    setup.options.view.phase_g = g;
-    setup.options.width = setup.options.height = 32;
-    const double half = std::atan(0.5 * std::tan(0.5));
-    setup.options.camera = look_at({0, 0, 2}, {0, 0, 0}, static_cast<float>(2 * half * 180 / kPi));
-    setup.samples = 1024;
-    return setup;
-}
-
-struct Result {
-    std::array<Estimate, 3> mean; ///< over all pixels, per channel
-    double alpha = 0;
-    PathStatistics statistics;
-    std::vector<float> sum; ///< R, G, B, A of each pixel
-};
-
-class PathTraceTest : public GpuTest {
-protected:
-    /// Errors come from the differences between the halves of each pixel.
-    static Result trace(Case setup) {
-        VolumeBench bench(device(), setup.volume, setup.transfer, setup.options);
-        if (setup.global_majorant) bench.inputs.majorants = {};
-        setup.params.width = setup.options.width;
-        setup.params.height = setup.options.height;
-        setup.params.samples_per_step = setup.samples / 2;
-        const PathTraceConditions conditions{
-            bench.graph.add_condition("restart"), bench.graph.add_condition("drain")};
-        const PathTrace out = add_path_trace(bench.graph, bench.inputs, setup.params, conditions);
-        bench.graph.export_resource(out.radiance, "test");
-        bench.on_bind([&](Executor& executor) {
-            executor.set(conditions.restart, false); // all is zero before the first execution
-            executor.set(conditions.drain, false);
-        });
-        const auto step = [&] {
-            bench.execute();
-            bench.executor().set(conditions.drain, true);
-            while (!path_statistics(bench.executor().read(out.statistics)).drained())
-                bench.execute();
-            bench.executor().set(conditions.drain, false);
-            return interleaved(bench.read(out.sum));
-        };
-        const std::vector<float> first = step();
-        Result result;
-        result.sum = step();
-        result.statistics = path_statistics(bench.executor().read(out.statistics));
-
-        const std::size_t pixels = result.sum.size() / 4;
-        const double n = setup.samples;
-        for (std::size_t c = 0; c < 3; ++c) {
-            double sum = 0, variance = 0;
-            for (std::size_t i = 0; i < pixels; ++i) {
-                const double half = first[i * 4 + c], all = result.sum[i * 4 + c];
-                sum += all / n;
-                variance += (2 * half - all) * (2 * half - all) / (n * n); // of the pixel's mean
-            }
-            const auto count = static_cast<double>(pixels);
-            result.mean[c] = {sum / count, std::sqrt(variance) / count};
-        }
-        for (std::size_t i = 0; i < pixels; ++i) result.alpha += result.sum[i * 4 + 3] / n;
-        result.alpha /= static_cast<double>(pixels);
-        EXPECT_EQ(result.statistics.finished, pixels * setup.samples);
-        EXPECT_EQ(result.statistics.truncated, 0u);
-        EXPECT_EQ(result.statistics.clamped, 0u);
-        return result;
-    }
-
-    /// A view straight along an axis, as wide as `width` around the middle of the box.
-    static Camera flat_view(glm::vec3 from, float width = 0.01f) {
-        Camera camera = look_at(from, glm::vec3(0.0f), 30.0f);
-        camera.orthographic_height = width;
-        return camera;
-    }
-};
+class PathTraceTest : public PathTest {};
 
 TEST_F(PathTraceTest, CubeInWhiteLightHasTheValuesOfAnIndependentTracer) {
     struct Row {
@@ -129,23 +39,6 @@ TEST_F(PathTraceTest, CubeInWhiteLightHasTheValuesOfAnIndependentTracer) {
             << mean.mean << " +- " << mean.error;
     }
 }
-
-/// z-tests of one family: each must hold.
-class Family {
-public:
-    explicit Family(std::size_t comparisons) : limit_(z_limit(comparisons)) {}
-    void expect(const Estimate& found, const Estimate& truth, const std::string& what) const {
-        EXPECT_LE(z_of(found, truth), limit_)
-            << what << ": " << found.mean << " +- " << found.error << ", expected " << truth.mean
-            << " +- " << truth.error;
-    }
-    void expect(const Estimate& found, double truth, const std::string& what) const {
-        expect(found, Estimate{truth, 0}, what);
-    }
-
-private:
-    double limit_;
-};
 
 /// A field that is different in every voxel, in [0, 1], in a box with sides 1 : 0.7 : 0.9.
 Volume rough_volume() {
@@ -265,7 +158,7 @@ TEST_F(PathTraceTest, SlabsReflectAndTransmitAsTheTablesOfAddingAndDoubling) {
             it.options.environment = Image(4, 2, {"R", "G", "B"}); // light from above or below
             for (int x = 0; x < 4; ++x)
                 for (int c = 0; c < 3; ++c) it.options.environment.at(x, below ? 1 : 0, c) = 1;
-            it.samples = mu == 1 ? 512 : 128;
+            it.samples = mu == 1 ? 256 : 64;
             it.options.view.seed = static_cast<std::uint32_t>(1000 * depth + 100 * mu) + below;
             return trace(it);
         };
