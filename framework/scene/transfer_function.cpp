@@ -179,16 +179,24 @@ TransferTable tabulate(const TransferFunction& function, const Volume& volume) {
     const bool per_code = volume.type != VoxelType::float32 && codes <= double(kTableEntries);
     std::size_t count = per_code ? static_cast<std::size_t>(codes) : kTableEntries;
     TransferTable table{lowest, highest, {}, {}};
-    if (lowest == highest) { // two equal entries: tables are never of no width
+    const double front = function.points.front().value, back = function.points.back().value;
+    if (!per_code && front < back && front < highest && back > lowest) {
+        // Beyond its ends the function is constant, however far a stray voxel lies. An entry more
+        // on each side, for an end may be a step.
+        const double beyond = (back - front) / double(count - 3);
+        table.first = std::max(lowest, front - beyond);
+        table.last = std::min(highest, back + beyond);
+    }
+    if (table.first == table.last) { // two equal entries: tables are never of no width
         count = 2;
-        table.last = lowest + std::max(1.0, std::abs(lowest));
+        table.last = table.first + std::max(1.0, std::abs(table.first));
     }
     // As Volume::at() computes them, so that a code's entry is the function at exactly its value.
     const double first_code = std::round((lowest - volume.value_offset) / volume.value_scale);
     for (std::size_t i = 0; i < count; ++i) {
         const double value =
             per_code ? volume.value_offset + volume.value_scale * (first_code + double(i))
-                     : lowest + (highest - lowest) * double(i) / double(count - 1);
+                     : table.first + (table.last - table.first) * double(i) / double(count - 1);
         const TransferPoint point = function.at(std::min(value, highest));
         table.entries.push_back(glm::vec4(point.color, point.opacity));
         if (function.emits()) table.emission.push_back(glm::vec3(point.emission));

@@ -61,7 +61,8 @@ struct TransferTable {
     float max_opacity(double low, double high) const;
 };
 /// Integer volumes with at most 4096 codes between their extremes get an entry for each code, so
-/// that a step one code wide stays one; others 4096 between their extremes.
+/// that a step one code wide stays one; others 4096 over the points of the function, as far as the
+/// volume has values there.
 TransferTable tabulate(const TransferFunction& function, const Volume& volume);
 
 } // namespace ockham

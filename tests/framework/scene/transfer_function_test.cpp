@@ -330,6 +330,18 @@ TEST(TransferTableTest, HasAllEntriesOverTheValuesThatOccurOtherwise) {
     }
 }
 
+TEST(TransferTableTest, IsNotSpreadByAStrayVoxel) {
+    const TransferFunction ramp{{{1, 0.0}, {1, 0.25}, {3, 1.0}}};
+    const Volume volume = row_of<float>(VoxelType::float32, {-3e38f, 0, 2, 4});
+    const TransferTable table = tabulate(ramp, volume);
+    EXPECT_EQ(table.entries.size(), 4096u);
+    EXPECT_NEAR(table.first, 1, 1e-3);
+    EXPECT_NEAR(table.last, 3, 1e-3);
+    EXPECT_EQ(look_up(table, -3e38), 0) << "below a step";
+    EXPECT_NEAR(look_up(table, 2), 0.625, 1e-3);
+    EXPECT_EQ(look_up(table, 4), 1);
+}
+
 TEST(TransferTableTest, OfAConstantHasTwoEqualEntries) {
     const TransferFunction ramp{{{0, 0.0}, {4, 1.0}}};
     for (const Volume& volume : {row_of<float>(VoxelType::float32, {1, 1}),
