@@ -19,6 +19,7 @@ VolumeGiParams checked(const VolumeGiParams& params) {
         fail_input(
             "picture of {} x {} pixels: each side must be 1 to 16384", params.width, params.height);
     }
+    check(params.iterations >= 1, "a loop budget");
     if (params.samples_per_step < 1) fail_input("0 samples per step: each step must take some");
     const bool composes = params.mode == VolumeMode::caching && !params.gather;
     if (params.search != SurfaceSearch::exact && !composes) {
@@ -307,7 +308,9 @@ VolumeStatistics VolumeGi::statistics() {
     if (cache_) {
         const shader::CacheControl control = cache_control();
         out.paths += number_of(control.paths);
+        out.steps += number_of(control.events);
         out.resumed += number_of(control.resumed);
+        out.truncated += control.clamped;
         out.cells = cache_size_.slots;
         out.cell_bytes = cache_size_.bytes;
         out.cache_converged = control.suspended != 0;

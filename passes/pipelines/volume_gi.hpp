@@ -32,11 +32,11 @@ const char* name_of(VolumeMode mode);
 struct VolumeGiParams {
     std::uint32_t width = 1024, height = 768; ///< pixels
     VolumeMode mode = VolumeMode::path;
-    std::uint32_t samples_per_step = 1; ///< per pixel
-    bool sobol = true;                  ///< else independent samples
-    bool majorant_grid = true;          ///< else one majorant for all
-    bool nee = true;                    ///< light is sampled at collisions
-    std::uint32_t iterations = 0;       ///< loop budget of tracing; 0: the most
+    std::uint32_t samples_per_step = 1;         ///< per pixel
+    bool sobol = true;                          ///< else independent samples
+    bool majorant_grid = true;                  ///< else one majorant for all
+    bool nee = true;                            ///< light is sampled at collisions
+    std::uint32_t iterations = kPathIterations; ///< loop budget of path tracing, >= 1
 
     // Mode caching.
     bool gather = true; ///< one exact collision, then the cache; false: composition
@@ -61,12 +61,12 @@ ModeChoice choose_mode(const Volume& volume, std::uint64_t pictures, std::uint32
 
 /// Of what has been done since the picture began anew, and for the cache since that did.
 struct VolumeStatistics {
-    std::uint64_t paths = 0;      ///< that have ended, of pixels and of cells
-    std::uint64_t steps = 0;      ///< tentative collisions of pixels' paths: lookups of the field
-    std::uint64_t resumed = 0;    ///< paths stored to go on in a later execution
-    std::uint64_t truncated = 0;  ///< paths dropped or wrongly bounded: must be 0
-    std::uint64_t cells = 0;      ///< of the cache, that hold memory
-    std::uint64_t cell_bytes = 0; ///< of all that the cache takes
+    std::uint64_t paths = 0;          ///< that have ended, of pixels and of cells
+    std::uint64_t steps = 0;          ///< tentative collisions: lookups of the field
+    std::uint64_t resumed = 0;        ///< paths stored to go on in a later execution
+    std::uint64_t truncated = 0;      ///< paths dropped or wrongly bounded: must be 0
+    std::uint64_t cells = 0;          ///< of the cache, that hold memory
+    std::uint64_t cell_bytes = 0;     ///< of all that the cache takes
     std::uint64_t majorant_cells = 0; ///< 1: one majorant for all
     /// Of a pixel's mean luminance, mean over the picture; and its root over the picture's mean.
     /// Nothing where the picture is composed: its error is the cache's.

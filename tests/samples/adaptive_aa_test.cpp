@@ -3,77 +3,22 @@
 // everything that can be wrong, leaving no file behind.
 #include "framework/core/file.hpp"
 #include "framework/io/image_file.hpp"
+#include "tests/support/program_test.hpp"
 
-#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
-#include <set>
 
 namespace ockham {
 namespace {
 
 namespace fs = std::filesystem;
+using test::Result;
 
-struct Result {
-    int exit_code = -1;
-    std::string text; ///< stdout and stderr
-};
-
-class AdaptiveAaProgram : public testing::Test {
+class AdaptiveAaProgram : public test::ProgramTest {
 protected:
-    AdaptiveAaProgram()
-        : folder(fs::temp_directory_path() / ("ockham_adaptive_aa." + std::to_string(::getpid()))) {
-        fs::create_directories(folder);
-    }
-    ~AdaptiveAaProgram() override { fs::remove_all(folder); }
-
-    Result run(const std::string& arguments, const std::string& environment = "",
-        const std::string& program = "adaptive_aa") {
-        const std::string command = "cd '" + folder.string() + "' && " + environment +
-                                    " '" OCKHAM_BIN "/" + program + "' " + arguments + " 2>&1";
-        Result result;
-        FILE* pipe = ::popen(command.c_str(), "r");
-        EXPECT_NE(pipe, nullptr);
-        char buffer[4096];
-        while (std::fgets(buffer, sizeof(buffer), pipe) != nullptr) result.text += buffer;
-        const int status = ::pclose(pipe);
-        result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-        return result;
-    }
-
-    std::set<std::string> files() const {
-        std::set<std::string> names;
-        for (const auto& entry : fs::directory_iterator(folder))
-            names.insert(entry.path().filename());
-        return names;
-    }
-
-    /// Runs; expects the code, exactly one line that begins with "error: ", all of `parts` in it,
-    /// and no new file.
-    void expect_error(const std::string& arguments, int code, const std::vector<std::string>& parts,
-        const std::string& environment = "") {
-        const std::set<std::string> before = files();
-        const Result result = run(arguments, environment);
-        EXPECT_EQ(result.exit_code, code) << arguments << "\n" << result.text;
-        std::size_t errors = 0;
-        for (std::size_t at = result.text.find("error: "); at != std::string::npos;
-             at = result.text.find("error: ", at + 1)) {
-            ++errors;
-        }
-        EXPECT_EQ(errors, 1u) << arguments << "\n" << result.text;
-        for (const std::string& part : parts) {
-            EXPECT_NE(result.text.find(part), std::string::npos) << arguments << "\n"
-                                                                 << result.text;
-        }
-        EXPECT_EQ(files(), before) << arguments;
-    }
-
-    fs::path folder;
+    AdaptiveAaProgram() : ProgramTest("adaptive_aa") {}
 };
 
 TEST_F(AdaptiveAaProgram, writes_picture_statistics_plan_and_captures) {
