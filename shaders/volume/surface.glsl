@@ -213,8 +213,9 @@ bool find_surface(vec3 origin, vec3 direction, float t0, float t1, bool start_so
     vec4 cubic = vec4(0.0);
     float low = 0.0, high = 1.0, target = kInfinity;
     float t = t0, t_exit = t0;
-    bool unsure_start = start_solid;
-    do {
+    uint around = kNoSurface; // the start
+    bool unsure_start = start_solid, going = true;
+    while (going) { // without break or return: a driver's lanes went on behind them
         budget -= min(budget, 1u);
         // Range cell i holds the extremes of the cells 8 i - 1 to 8 i + 7.
         ivec3 block = clamp((cell + 1) >> 3, ivec3(0), ivec3(frame.data.cells) - 1);
@@ -259,23 +260,23 @@ bool find_surface(vec3 origin, vec3 direction, float t0, float t1, bool start_so
                 }
             }
         }
-        if (unsure_start) {
-            uint around = surface_around(values, start);
-            if (around != kNoSurface) {
-                hit = SurfaceHit(t0, around, entry_normal == vec3(0.0) ? -direction : entry_normal, true);
-                return true;
-            }
-            unsure_start = false;
+        if (unsure_start) around = surface_around(values, start);
+        unsure_start = false;
+        going = around == kNoSurface && target == kInfinity;
+        if (going) {
+            bvec3 crossed = lessThanEqual(t_planes, vec3(t_exit));
+            ivec3 beyond = skip ? block_exits + mix(ivec3(-1), ivec3(0), ray.forward)
+                                : cell + mix(ivec3(-1), ivec3(1), ray.forward);
+            cell = mix(skip ? cell_at(ray, t_exit) : cell, beyond, crossed);
+            t = t_exit;
+            going = t < t1 && budget > 0u && all(greaterThanEqual(cell, ivec3(-1))) && all(lessThanEqual(cell, last));
         }
-        if (target != kInfinity) break;
+    }
 
-        bvec3 crossed = lessThanEqual(t_planes, vec3(t_exit));
-        ivec3 beyond = skip ? block_exits + mix(ivec3(-1), ivec3(0), ray.forward)
-                            : cell + mix(ivec3(-1), ivec3(1), ray.forward);
-        cell = mix(skip ? cell_at(ray, t_exit) : cell, beyond, crossed);
-        t = t_exit;
-    } while (t < t1 && budget > 0u && all(greaterThanEqual(cell, ivec3(-1))) && all(lessThanEqual(cell, last)));
-
+    if (around != kNoSurface) {
+        hit = SurfaceHit(t0, around, entry_normal == vec3(0.0) ? -direction : entry_normal, true);
+        return true;
+    }
     if (target == kInfinity) {
         if (budget == 0u) hit.t = t;
         return false;
