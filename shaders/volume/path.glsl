@@ -39,7 +39,7 @@ const float kRouletteTransmittance = 0.1; // shadow rays below it live on by cha
 // Iterations of loops within one call of advance(): steps along a ray, of the search for surfaces (a
 // slice, and a bisection of 20), of a lookup in the cache, of clip planes. Lanes that run together
 // take them together, so that the sum bounds those of all.
-const uint kStride = 8u;
+const uint kStride = 20u;
 const uint kSearchSlice = 16u;
 const uint kAdvanceIterations = 1u + kStride + MAX_CLIP_PLANES
 #ifdef SURFACES
