@@ -13,6 +13,9 @@ set(OCKHAM_NOT_ON_SWIFTSHADER
   BucketsTest.LargeMapsAreSortedStablyByCountTileAndRow
   # Hundreds of kernels, compiled when their pipelines are made: not done after 80 s.
   RandomExecutionTest.* RandomExecutionNightly.*
+  # Reflection at millions of directions: each takes a minute.
+  IsoBsdfTest.DensitiesIntegrateToOneAndAlbedosStayBelowIt
+  IsoBsdfTest.SamplesHaveTheirWeightsDensitiesAndDistribution
   # Its memory is files, so that the limit which stands for a full disk ends the process.
   AdaptiveAaProgram.full_disk_is_an_error_and_leaves_nothing
   # An access out of bounds ends the process before the layer reads what was found.

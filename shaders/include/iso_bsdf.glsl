@@ -43,7 +43,8 @@ vec3 sample_mirror(float exponent, vec3 v, vec2 xi) {
     return sine * (cos(angle) * side + sin(angle) * cross(axis, side)) + cosine * axis;
 }
 float mirror_power(float exponent, vec3 v, vec3 l) {
-    return pow(max(dot(vec3(-v.xy, v.z), l), 0.0), exponent) / (2.0 * kPi);
+    float cosine = dot(vec3(-v.xy, v.z), l); // of 0 the power 0 is undefined
+    return cosine > 0.0 ? pow(cosine, exponent) / (2.0 * kPi) : 0.0;
 }
 float phong_exponent(float roughness) {
     float alpha = max(roughness * roughness, 0.02);
@@ -205,7 +206,7 @@ float pdf_iso(IsoMaterial m, uint shading, vec3 n, vec3 v, vec3 l) {
 vec3 sample_iso(IsoMaterial m, uint shading, vec3 n, vec3 v, vec4 xi, out vec3 l, out float pdf) {
     mat3 to_world = shading_frame(n);
     vec3 view = above_horizon(v * to_world);
-    vec3 local = sample_local(m, shading, view, xi);
+    vec3 local = normalize(sample_local(m, shading, view, xi)); // drivers may err by 2^-11 in sin, cos
     pdf = local_pdf(m, shading, view, local);
     l = to_world * local;
     return pdf > 0.0 ? evaluate_local(m, shading, view, local) / pdf : vec3(0.0);
