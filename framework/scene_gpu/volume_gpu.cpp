@@ -75,6 +75,17 @@ std::vector<std::uint16_t> texels_of(const Volume& volume) {
     return out;
 }
 
+/// Walks through cells are stored between dispatches with 10 bits for each axis.
+void check_size(const Volume& volume) {
+    constexpr std::uint32_t kMostVoxels = 1022 * RANGE_CELL;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (volume.dims[axis] <= kMostVoxels) continue;
+        fail_input("volume {}: it has {} voxels along {}, and at most {} are supported; scale it "
+                   "down or cut it",
+            volume.name, volume.dims[axis], "xyz"[axis], kMostVoxels);
+    }
+}
+
 /// Levels of opacity_max, one after the other.
 std::vector<float> range_maxima(const TransferTable& table) {
     const std::size_t count = table.entries.size();
@@ -186,6 +197,7 @@ void fill_buffer(std::optional<gpu::Buffer>& buffer, gpu::Device& device, gpu::U
 VolumeGpu::VolumeGpu(gpu::Device& device, const Volume& volume, const TransferFunction& transfer,
     const Image& environment)
     : device_(&device), extremes_(extremes_of(volume)) {
+    check_size(volume);
     const Storage storage = storage_of(device, volume.type);
     texel_scale_ = 1.0 / (volume.value_scale * storage.largest);
     texel_offset_ = (storage.shift - volume.value_offset / volume.value_scale) / storage.largest;

@@ -49,7 +49,8 @@ class VolumeGpu {
 public:
     /// Uploads. `environment`: linear R, G, B, equirectangular; empty where it is one colour.
     /// Throws Error(device) where it does not fit the device's limits, with the numbers, and
-    /// Error(input) for an environment without these channels or with a texel that is no radiance.
+    /// Error(input) for an environment without these channels or with a texel that is no radiance,
+    /// and for more than 8176 voxels along an axis.
     VolumeGpu(gpu::Device& device, const Volume& volume, const TransferFunction& transfer,
         const Image& environment = {});
 

@@ -125,11 +125,20 @@ TEST_F(VolumeGpuTest, IsHomogeneousWhereOpacityIs) {
 }
 
 TEST_F(VolumeGpuTest, TooLargeForTheDeviceIsSaidWithNumbers) {
-    Volume volume = volume_of<std::uint8_t>(
-        VoxelType::uint8, {60'000, 2, 1}, std::vector<std::uint8_t>(120'000));
-    const std::string text = test::error_of([&] { VolumeGpu(device(), volume, ramp()); });
-    EXPECT_NE(text.find("image 'volume' of 60000 x 2 x 2"), std::string::npos) << text;
+    const Volume volume = volume_of<std::uint8_t>(VoxelType::uint8, {2, 1, 1}, {0, 1});
+    const std::string text = test::error_of([&] {
+        VolumeGpu(device(), volume, ramp(), Image(60'000, 1, {"R", "G", "B"}));
+    });
+    EXPECT_NE(text.find("image 'environment' of 60000 x 1"), std::string::npos) << text;
     EXPECT_NE(text.find("the device allows"), std::string::npos) << text;
+}
+
+TEST_F(VolumeGpuTest, TooLongForTheWalkThroughCellsIsSaidWithNumbers) {
+    const Volume volume =
+        volume_of<std::uint8_t>(VoxelType::uint8, {1, 8177, 1}, std::vector<std::uint8_t>(8177));
+    const std::string text = test::error_of([&] { VolumeGpu(device(), volume, ramp()); });
+    EXPECT_NE(text.find("8177 voxels along y"), std::string::npos) << text;
+    EXPECT_NE(text.find("at most 8176"), std::string::npos) << text;
 }
 
 } // namespace
