@@ -275,6 +275,21 @@ TEST_F(IsoBsdfTest, ClosedForms) {
     }
 }
 
+TEST_F(IsoBsdfTest, ARoughPhongIsEvenUpToNinetyDegreesFromTheMirrorDirection) {
+    Material m = material(0.5, 0, 1); // exponent 0
+    m.specular = 1;
+    const glm::dvec3 view = spherical(0.2, 0), mirror(-view.x, -view.y, view.z);
+    const glm::dvec3 near = spherical(0.5, pi), far = spherical(0.5, 0);
+    ASSERT_LT(glm::dot(far, mirror), 0);
+    const std::vector<Answer> answers = evaluate({m, SHADING_PHONG, view}, {mirror, near, far});
+    for (int i = 0; i < 3; ++i) {
+        const double cosine = i == 0 ? 0.2 : 0.5, lobe = i < 2 ? 0.08 : 0;
+        const Answer& a = answers[static_cast<std::size_t>(i)];
+        EXPECT_NEAR(double{a.value.x}, (0.92 * 0.5 + lobe) / pi * cosine, 1e-6) << i;
+        EXPECT_NEAR(double{a.pdf}, 0.92 * cosine / pi + lobe / (2 * pi), 1e-6) << i;
+    }
+}
+
 TEST_F(IsoBsdfTest, DensitiesIntegrateToOneAndAlbedosStayBelowIt) {
     const std::vector<Case> cases = all(60);
     const double limit = z_limit(cases.size());
