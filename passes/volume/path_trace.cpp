@@ -110,6 +110,7 @@ PathTrace add_path_trace(Graph& graph, const MediumInputs& in, const PathTracePa
     const PathTraceConditions& conditions, const PathCache& cache) {
     check(params.width > 0 && params.height > 0, "the picture has pixels");
     check(params.samples_per_step > 0, "a step takes samples");
+    check(params.iterations > 0, "an invocation has a budget");
     const std::uint64_t pixels = std::uint64_t{params.width} * params.height;
     PathTrace out;
     out.sum = graph.create_persistent_image("path_sum",

@@ -28,8 +28,8 @@ struct PathTraceParams {
     std::uint32_t samples_per_step = 1;         ///< per pixel and execution, >= 1
     std::uint32_t iterations = kPathIterations; ///< budget of an invocation
     bool jitter = true;                         ///< box filter over pixels; false: their centres
-    bool nee = true;                            ///< --nee: light is sampled at collisions
-    std::uint64_t buffer_bytes = 1u << 27;      ///< most that a kernel can bind of a buffer
+    bool nee = true;                       ///< --nee: an environment map is sampled at collisions
+    std::uint64_t buffer_bytes = 1u << 27; ///< most that a kernel can bind of a buffer
 };
 
 /// Conditions of an execution.

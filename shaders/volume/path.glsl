@@ -30,11 +30,23 @@
 #include "volume/cache_lookup.glsl"
 #endif
 
-#ifndef PATH_NEE // whether light is sampled at collisions: a kernel may ask its push constants
+#ifndef PATH_NEE // whether the environment map is sampled at collisions; a directional light always is
 #define PATH_NEE true
 #endif
 
 const float kRouletteTransmittance = 0.1; // shadow rays below it live on by chance
+
+#ifdef GATHER
+// Of a lookup in the cache: eight cells, each with a loop over the surfaces for the side of its
+// representative, and one for every step to it. No cell that is blended has its centre further away
+// than one cell along an axis, nor its representative further from that than half a cell: 6 voxels
+// at scale 4, two steps a voxel and one more. With four surfaces 8 (1 + 4 + 13 * 5) = 560.
+#ifdef SURFACES
+const uint kLookupIterations = 8u * (1u + MAX_SURFACES + 13u * (MAX_SURFACES + 1u));
+#else
+const uint kLookupIterations = 9u;
+#endif
+#endif
 
 // Iterations of loops within one call of advance(): steps along a ray, of the search for surfaces (a
 // slice, and a bisection of 20), of a lookup in the cache, of clip planes. Lanes that run together
@@ -46,7 +58,7 @@ const uint kAdvanceIterations = 1u + kStride + MAX_CLIP_PLANES
     + kSearchSlice + 20u
 #endif
 #ifdef GATHER
-    + 150u
+    + kLookupIterations
 #endif
     ;
 
@@ -69,6 +81,8 @@ vec4 draw(inout Path path) {
     path.random.w = random.set;
     return xi;
 }
+/// Exponentially distributed; no less than 0 whatever a driver's logarithm says near 1.
+float depth_of(float xi) { return max(-log(xi), 0.0); }
 /// As of medium_of(), which reads more.
 float extinction_of(float value) {
     uint entry;
@@ -104,7 +118,7 @@ Path begin_path(vec3 origin, vec3 direction, Random random) {
     path.stage = PATH_FLIGHT;
     path.bounces = 0u;
     path.random = uvec4(random.seed, random.stream, random.index, random.set);
-    path.depth = -log(draw(path).x);
+    path.depth = depth_of(draw(path).x);
     return path;
 }
 
@@ -123,6 +137,7 @@ struct LightSample {
 /// Chance that the directional light is chosen.
 float directional_share() {
 #ifdef ENVIRONMENT_MAP
+    if (!PATH_NEE) return 1.0;
     return greatest_of(frame.data.light_irradiance) > 0.0 ? 0.5 : 0.0;
 #else
     return 1.0;
@@ -130,7 +145,6 @@ float directional_share() {
 }
 
 LightSample sample_light(inout Path path) {
-    if (!PATH_NEE) return LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0);
 #ifdef ENVIRONMENT_MAP
     vec4 xi = draw(path);
     float share = directional_share();
@@ -194,8 +208,8 @@ void meet_medium(inout Path path, vec3 position, Medium medium, vec3 xi) {
     if (path.bounces > frame.data.max_bounces) path.throughput = vec3(0.0);
 #ifdef GATHER
     if (path.bounces > 1u) {
-        uint slice = 150u;
-        vec3 arriving = cached_in_scatter(unit_from_world(position), path.direction, slice);
+        uint charged = kLookupIterations; // by advance()
+        vec3 arriving = cached_in_scatter(unit_from_world(position), path.direction, charged);
         path.radiance += path.throughput * arriving;
         path.stage = PATH_ENDED;
         return;
@@ -320,7 +334,7 @@ void advance(inout Path path, inout Tracker tracker, inout uint budget) {
         if (path.depth < most) {
             path.t += path.depth / majorant;
             xi = draw(path);
-            path.depth = -log(xi.x);
+            path.depth = depth_of(xi.x);
             value = field((tracker.walk.origin + path.t * tracker.walk.direction) *
                 (float(RANGE_CELL) / vec3(frame.data.dims)));
             chance = extinction_of(value) / majorant;

@@ -13,7 +13,7 @@ struct PathTracePush {
     uint samples;    ///< that each pixel is to take beyond those it was told before
     uint iterations; ///< budget of an invocation, >= 1
     uint jitter;     ///< 1: positions in the pixel's square; 0: its centre
-    uint nee;        ///< 1: light is sampled at collisions
+    uint nee;        ///< 1: the environment map is sampled at collisions
 };
 
 // Statistics: 64-bit sums, low word first, since the last restart.
