@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "passes/volume/cache.hpp"
+
 #include "framework/core/error.hpp"
 #include "framework/runtime/commands.hpp"
 #include "passes/schedule/buckets.hpp"
 #include "passes/shader_variant.hpp"
-#include "passes/volume/cache.hpp"
 #include "shaders/schedule/buckets.h"
 
 #include <algorithm>
@@ -84,14 +85,19 @@ void read_field(PassBuilder& pass, MediumInputs medium) {
     read_medium(pass, medium, {.tracking = false, .light = false, .surfaces = false});
 }
 
+/// Of the pieces between voxel centres, a bit each.
+std::uint64_t piece_words(glm::uvec3 dims) {
+    const glm::uvec3 pieces = dims + glm::uvec3(1);
+    return std::uint64_t{(pieces.x + 31) / 32} * pieces.y * pieces.z;
+}
+
 /// Marks and counts the cells that need slots. The header of the index has the numbers.
 struct Marked {
     BufferHandle index, runs;
 };
 Marked add_marks(
     Graph& graph, const MediumInputs& medium, const shader::CachePush& push, BufferHandle index) {
-    const glm::uvec3 pieces = medium.facts.dims + glm::uvec3(1);
-    const std::uint64_t words = std::uint64_t{(pieces.x + 31) / 32} * pieces.y * pieces.z;
+    const std::uint64_t words = piece_words(medium.facts.dims);
     const std::uint64_t runs = (push.cells + CACHE_RUN - 1) / CACHE_RUN;
     Marked out{index, graph.create_buffer("cache_runs", {runs * sizeof(glm::uvec2)})};
     BufferHandle bits = graph.create_buffer("cache_pieces", {words * sizeof(shader::CachePieces)});
@@ -219,6 +225,14 @@ CacheSize count_cache_cells(gpu::Device& device, const VolumeGpu& volume, const 
         fail_device("cache: the index of {} cells of {}^3 voxels takes {:.1f} MiB, but the device "
                     "binds {:.1f} MiB at a time; use a larger cache scale",
             cells, params.scale, mib(index_bytes(cells)), mib(limit));
+    }
+    const glm::uvec3 dims = volume.facts().dims;
+    const std::uint64_t pieces = piece_words(dims) * sizeof(shader::CachePieces);
+    if (pieces > limit) {
+        fail_device("cache: marking what can be seen of {} x {} x {} voxels takes {:.1f} MiB, but "
+                    "the device binds {:.1f} MiB at a time; scale the volume down, or render it "
+                    "without a cache",
+            dims.x, dims.y, dims.z, mib(pieces), mib(limit));
     }
     Graph graph("cache_size");
     MediumInputs medium;

@@ -645,5 +645,19 @@ TEST_F(CacheTest, WhatCannotBeIsRefusedByName) {
     EXPECT_NE(text.find("working set of 1048576 cells takes 160.0 MiB"), std::string::npos) << text;
 }
 
+TEST_F(CacheTest, MarksThatTheDeviceCannotBindAreRefusedWithNumbers) {
+    Volume flat; // so that of all the cache needs only these are too many
+    flat.name = "flat";
+    flat.dims = {1, 3400, 3400};
+    flat.voxels.resize(flat.voxel_count());
+    const VolumeGpu large(device(), flat, linear_transfer());
+    const gpu::Buffer frame(device(), {.bytes = sizeof(shader::VolumeFrame),
+                                          .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                          .name = "frame"});
+    const std::string text =
+        error_of([&] { count_cache_cells(device(), large, frame, {.scale = 4}); });
+    EXPECT_NE(text.find("1 x 3400 x 3400 voxels takes 132.4 MiB"), std::string::npos) << text;
+}
+
 } // namespace
 } // namespace ockham::test
