@@ -233,7 +233,8 @@ void tracking_rate(benchmark::State& state) {
     Scene scene{.volume = resampled(data_volume("engine"), 128), .transfer = ramp(0, 255)};
     scene.view.density_scale = 40;
     scene.view.albedo = 0.9f;
-    VolumeGiParams params = picture_params(128, 16);
+    scene.camera.fov_y_degrees = 20; // no pixel looks past the box
+    VolumeGiParams params = picture_params(64, 64);
     params.sobol = state.range(0) != 0;
     params.majorant_grid = params.nee = false;
     Renderer renderer(scene, params);
@@ -248,7 +249,7 @@ void tracking_rate(benchmark::State& state) {
         }
     Figure(cpu).report(state, "Msteps_per_cpu_second");
     state.counters["Msteps_per_gpu_second"] = Figure(gpu).quantile(0.5);
-    state.counters["steps_per_path"] = steps / (128.0 * 128.0 * 16.0);
+    state.counters["steps_per_path"] = steps / (64.0 * 64.0 * 64.0);
 }
 
 /// Time times variance, of `--majorant global --nee off` over that of the defaults.
@@ -455,13 +456,16 @@ void convergence(benchmark::State& state, bool sobol) {
             for (std::uint32_t i = first; i < first + count; ++i)
                 for (std::uint32_t j = first; j < i; ++j)
                     variance += variance_of(pictures[point][i], pictures[point][j]);
-            slope += (point - 2) * 0.5 * std::log2(variance) / 20.0; // sum of (2 (point - 2))^2 / 2
+            slope += (point - 2) * std::log2(variance) / 40.0; // by least squares, 2 apart
         }
         return slope;
     };
     std::vector<double> quarters;
     for (std::uint32_t first = 0; first < kScramblings; first += 4)
         quarters.push_back(slope_of(first, 4));
+    for (int point = 0; point < kPoints; ++point) // of a pair of pictures
+        state.counters[fmt::format("error_{}", 16 << (2 * point))] =
+            std::sqrt(variance_of(pictures[point][0], pictures[point][1]));
     state.counters["slope"] = slope_of(0, kScramblings);
     state.counters["standard_error"] = standard_error(quarters);
 }
