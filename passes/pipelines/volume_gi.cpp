@@ -105,9 +105,8 @@ VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunc
 }
 
 void VolumeGi::show(const VolumeView& view, const Camera& camera) {
-    shader::VolumeFrame frame =
+    const shader::VolumeFrame frame =
         make_volume_frame(place_, gpu_, camera, params_.width, params_.height, view);
-    frame.sobol = params_.sobol ? 1u : 0u;
     std::memcpy(frame_.mapped().data(), &frame, sizeof(frame));
     view_ = view;
     camera_ = camera;
@@ -133,7 +132,8 @@ Graph VolumeGi::declare() {
         .frame = graph.import_buffer("frame", {sizeof(shader::VolumeFrame)}, {}),
         .ranges = {},
         .majorants = {},
-        .surfaces = !view_.surfaces.empty()};
+        .surfaces = !view_.surfaces.empty(),
+        .sobol = params_.sobol};
     if (!facts.emission) graph.omit_resource("emission", "the transfer function emits nothing");
     if (!facts.environment_map) graph.omit_resource("environment", "the environment is one colour");
     restart_ = graph.add_condition("new picture");

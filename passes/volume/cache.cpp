@@ -190,12 +190,14 @@ void add_trace(Graph& graph, const MediumInputs& medium, const shader::CachePush
     set.sums = pass.read_write("cache_sums", set.sums);
     set.paths = pass.read_write("cache_paths", set.paths);
     const std::string kernel = medium_variant("volume/cache_trace.comp", "", medium);
-    pass.record([push, kernel, arguments = buckets.arguments](Commands& commands) {
+    pass.record([push, kernel, specialization = medium_specialization(medium),
+                    arguments = buckets.arguments](Commands& commands) {
         // The dearest cells first: what is left over at the end of a dispatch is then cheap.
         shader::CachePush one = push;
         for (one.bucket = CACHE_BUCKETS; one.bucket >= 2; --one.bucket) {
-            commands.dispatch_indirect({.shader = kernel, .push = as_push(one)}, arguments,
-                (one.bucket - 1) * sizeof(shader::DispatchArguments));
+            commands.dispatch_indirect(
+                {.shader = kernel, .specialization = specialization, .push = as_push(one)},
+                arguments, (one.bucket - 1) * sizeof(shader::DispatchArguments));
         }
     });
 }

@@ -21,7 +21,8 @@ Composed add_compose(
     Composed out{.picture = graph.create_image("composed", radiance),
         .sum = graph.create_persistent_image("compose_sum", radiance),
         .count = graph.create_persistent_image("compose_count", count),
-        .state = graph.create_persistent_image("compose_state", state)};
+        .state = graph.create_persistent_image("compose_state", state),
+        .begins = std::make_shared<bool>(true)};
     {
         const GuardScope guard = graph.when(restart);
         PassBuilder pass = graph.add_transfer_pass("compose_restart");
@@ -36,6 +37,7 @@ Composed add_compose(
     const bool depth = in.medium.surfaces && in.surface_depth;
     const std::string shader =
         medium_variant("volume/compose.comp", depth ? "depth_image" : "", in.medium);
+    const Specialization constants = medium_specialization(in.medium);
     for (std::uint32_t sample = 0; sample < params.samples; ++sample) {
         PassBuilder pass =
             graph.add_compute_pass(sample == 0 ? "compose" : fmt::format("compose.{}", sample));
@@ -47,13 +49,15 @@ Composed add_compose(
         out.count = pass.read_write("compose_count", out.count);
         out.state = pass.read_write("compose_state", out.state);
         out.picture = pass.write("composed", out.picture);
-        pass.record([params, shader](Commands& commands) {
+        pass.record([params, shader, constants, begins = out.begins](Commands& commands) {
             const shader::ComposePush push{.iterations = params.iterations,
                 .jitter = params.jitter ? 1u : 0u,
                 .step_voxels = params.step_voxels,
-                .step_depth = params.step_depth};
+                .step_depth = params.step_depth,
+                .begins = *begins ? 1u : 0u};
             commands.dispatch_over(
-                {.shader = shader, .push = as_push(push)}, {params.width, params.height, 1});
+                {.shader = shader, .specialization = constants, .push = as_push(push)},
+                {params.width, params.height, 1});
         });
     }
     return out;

@@ -7,6 +7,7 @@
 #include "passes/volume/medium_inputs.hpp"
 
 #include <cstdint>
+#include <memory>
 
 namespace ockham {
 
@@ -34,6 +35,8 @@ struct Composed {
     ImageHandle sum;     ///< rgba32f, persistent: sums of these over a pixel's samples
     ImageHandle count;   ///< r32ui, persistent: 2 * samples, + 1 where a ray is under way
     ImageHandle state;   ///< rgba32ui, three layers, persistent: that ray
+    /// False: executions from now on take no new samples, and only end the rays under way.
+    std::shared_ptr<bool> begins;
 };
 
 /// `restart`: begin anew, as when the camera or anything that is seen has changed.

@@ -111,7 +111,6 @@ shader::VolumeFrame make_volume_frame(const VolumePlace& place, const VolumeGpu&
     frame.surface_gain = view.surface_gain;
     frame.volume_gain = view.volume_gain;
     frame.seed = view.seed;
-    frame.sobol = 1;
     frame.max_bounces = view.max_bounces;
     return frame;
 }

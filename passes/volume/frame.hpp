@@ -13,7 +13,7 @@
 
 namespace ockham {
 
-/// `width`, `height`: pixels. Samples are Sobol points; clear `sobol` for independent ones. Throws Error(input) for more surfaces or planes than kernels hold, an
+/// `width`, `height`: pixels. Throws Error(input) for more surfaces or planes than kernels hold, an
 /// empty crop box, and numbers out of range, naming them.
 shader::VolumeFrame make_volume_frame(const VolumePlace& place, const VolumeGpu& volume,
     const Camera& camera, std::uint32_t width, std::uint32_t height, const VolumeView& view);

@@ -2,6 +2,7 @@
 #include "passes/volume/medium_inputs.hpp"
 
 #include "passes/shader_variant.hpp"
+#include "shaders/include/random.h"
 
 namespace ockham {
 
@@ -23,6 +24,10 @@ std::string medium_variant(
         {{mode, !mode.empty()}, {"emission", in.facts.emission},
             {"grid", use.tracking && bool(in.majorants)}, {"surfaces", use.surfaces && in.surfaces},
             {"environment_map", use.light && in.facts.environment_map}});
+}
+
+Specialization medium_specialization(const MediumInputs& in) {
+    return {{SPEC_SOBOL, in.sobol ? 1u : 0u}};
 }
 
 } // namespace ockham

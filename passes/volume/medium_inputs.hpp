@@ -2,6 +2,7 @@
 // What every pass on a volume reads, and the names of shader variants that follow from it.
 #pragma once
 
+#include "framework/runtime/commands.hpp"
 #include "framework/scene_gpu/volume_gpu.hpp"
 #include "shaders/shared/volume.h"
 
@@ -18,6 +19,7 @@ struct MediumInputs {
     BufferHandle ranges;    ///< vec2 per range cell: least and greatest texel value; with surfaces
     BufferHandle majorants; ///< float per range cell: greatest opacity; not where homogeneous
     bool surfaces = false;  ///< there is an isovalue
+    bool sobol = true;      ///< samples of a pixel or cell avoid each other
 };
 
 /// Which of them a kernel reads; the medium itself always.
@@ -34,5 +36,8 @@ void read_medium(PassBuilder& pass, const MediumInputs& in, const MediumUse& use
 /// empty), then of these features those that `use` and the inputs have, in this order.
 std::string medium_variant(std::string_view shader, std::string_view mode, const MediumInputs& in,
     const MediumUse& use = {});
+
+/// Constants of kernels that draw random numbers (shaders/include/random.glsl).
+Specialization medium_specialization(const MediumInputs& in);
 
 } // namespace ockham

@@ -64,6 +64,7 @@ void add_restart(Graph& graph, PathTrace& out, std::vector<Band>& bands) {
 void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& params,
     std::uint32_t samples, const PathCache& cache, PathTrace& out, std::vector<Band>& bands) {
     const std::string shader = medium_variant("volume/path_trace.comp", name_of(params.mode), in);
+    const Specialization constants = medium_specialization(in);
     for (std::size_t i = 0; i < bands.size(); ++i) {
         Band& band = bands[i];
         std::string name = samples > 0 ? "path_trace" : "path_drain";
@@ -85,9 +86,10 @@ void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& para
             .iterations = std::min(params.iterations, kPathIterations),
             .jitter = params.jitter ? 1u : 0u,
             .nee = params.nee ? 1u : 0u};
-        pass.record([push, shader, width = params.width](Commands& commands) {
+        pass.record([push, shader, constants, width = params.width](Commands& commands) {
             commands.dispatch_over(
-                {.shader = shader, .push = as_push(push)}, {width, push.rows, 1});
+                {.shader = shader, .specialization = constants, .push = as_push(push)},
+                {width, push.rows, 1});
         });
     }
 }

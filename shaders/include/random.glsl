@@ -2,11 +2,15 @@
 // Random numbers keyed by (seed, stream, sample, set of dimensions), so that no two pixels, cells,
 // samples or dimensions share one, and any can be had without those before it: hashes (pcg4d of
 // Jarzynski and Olano 2020, a bijection).
-// The first kSobolSets sets of a stream, which independent samples skip, are Owen-scrambled Sobol
-// points over its samples: pairs xy and zw of a set are each a (0, 2)-sequence, shuffled by itself
-// (Burley 2020, "Practical hash-based Owen scrambling"). No loops.
+// Where SPEC_SOBOL says so, the first kSobolSets sets of a stream are Owen-scrambled Sobol points
+// over its samples: pairs xy and zw of a set are each a (0, 2)-sequence, shuffled by itself (Burley
+// 2020, "Practical hash-based Owen scrambling"). No loops.
 #ifndef OCKHAM_RANDOM_GLSL
 #define OCKHAM_RANDOM_GLSL
+
+#include "include/random.h"
+
+layout(constant_id = SPEC_SOBOL) const bool kSobol = false;
 
 struct Random {
     uint seed;
@@ -17,10 +21,7 @@ struct Random {
 
 const uint kSobolSets = 64u; // beyond them paths are too long for stratification to last
 
-/// Of sample `index`; `sobol`: the samples of the stream avoid each other, else they are independent.
-Random make_random(uint seed, uint stream, uint index, bool sobol) {
-    return Random(seed, stream, index, sobol ? 0u : kSobolSets);
-}
+Random make_random(uint seed, uint stream, uint index) { return Random(seed, stream, index, 0u); }
 
 uvec4 hash4(uvec4 v) {
     v = v * 1664525u + 1013904223u;
@@ -68,7 +69,7 @@ uvec2 sobol2(uint reversed_index, uint order, uvec2 seeds) {
 vec4 next4(inout Random random) {
     uint set = random.set++;
     // One hash serves both: of the stream as a seed of its points, of the sample beyond them.
-    bool points = set < kSobolSets;
+    bool points = kSobol && set < kSobolSets;
     uvec4 bits = hash4(uvec4(random.seed, random.stream, points ? ~0u : random.index, set));
     if (points) {
         uvec4 orders = hash4(bits);

@@ -82,7 +82,6 @@ struct VolumeFrame {
     uvec2 size; ///< pixels
 
     uint seed;
-    uint sobol;       ///< 1: samples of a pixel or cell are Sobol points; 0: independent
     uint max_bounces; ///< scatterings per path, ~0: as many as it takes
 };
 

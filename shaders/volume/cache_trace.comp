@@ -33,8 +33,8 @@ struct Start {
 
 /// Begins a path of number `index` at one more place, or leaves `path` ended: in the solid, unseen.
 void try_start(Start start, uint index, uint tries, inout Path path, inout uint budget) {
-    Random random = make_random(frame.data.seed ^ kCellSeed, start.cell, index, frame.data.sobol != 0u);
-    random.set += tries;
+    Random random = make_random(frame.data.seed ^ kCellSeed, start.cell, index);
+    random.set = tries;
     vec4 xi = next4(random);
     vec3 unit = tries < kPlaces ? mix(start.low, start.high, xi.xyz) : start.representative;
     bool good = !start.near || cache_kept(unit);

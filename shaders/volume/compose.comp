@@ -219,9 +219,12 @@ void main() {
     if (any(greaterThanEqual(uvec2(pixel), frame.data.size))) return;
     uint count = imageLoad(compose_count, pixel).x;
     uint samples = count >> 1u;
+    if (push.begins == 0u && (count & 1u) == 0u) {
+        imageStore(composed, pixel, imageLoad(compose_sum, pixel) / float(max(samples, 1u)));
+        return;
+    }
 
-    Random random = make_random(frame.data.seed, uint(pixel.y) * frame.data.size.x + uint(pixel.x), samples,
-        frame.data.sobol != 0u);
+    Random random = make_random(frame.data.seed, uint(pixel.y) * frame.data.size.x + uint(pixel.x), samples);
     vec4 xi = next4(random);
     vec2 place = push.jitter != 0u ? xi.xy : vec2(0.5);
 #ifdef DEPTH_IMAGE

@@ -12,8 +12,9 @@ struct ComposePush {
     uint jitter;       ///< 0: rays through pixel centres, samples in the middle of their steps
     float step_voxels; ///< longest step
     float step_depth;  ///< optical depth that a step shall not exceed
+    uint begins;       ///< 0: only rays under way go on
 };
-OCKHAM_SHARED_SIZE(ComposePush, 16);
+OCKHAM_SHARED_SIZE(ComposePush, 20);
 
 OCKHAM_SHARED_END
 

@@ -28,8 +28,7 @@ void count(uint what, uint more) {
 }
 
 Path begin_sample(uvec2 pixel, uint index) {
-    Random random = make_random(
-        frame.data.seed, pixel.y * frame.data.size.x + pixel.x, index, frame.data.sobol != 0u);
+    Random random = make_random(frame.data.seed, pixel.y * frame.data.size.x + pixel.x, index);
     vec4 xi = next4(random);
     vec3 origin, direction;
     camera_ray(vec2(pixel) + (push.jitter != 0u ? xi.xy : vec2(0.5)), origin, direction);

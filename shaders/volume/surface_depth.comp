@@ -41,8 +41,7 @@ vec2 search(vec3 origin, vec3 direction, float near, float far, vec3 entry_norma
 }
 #else
 float uniform_of(ivec2 pixel, uint index) {
-    Random random = make_random(
-        frame.data.seed, uint(pixel.y) * frame.data.size.x + uint(pixel.x), index, false);
+    Random random = make_random(frame.data.seed, uint(pixel.y) * frame.data.size.x + uint(pixel.x), index);
     return next4(random).x;
 }
 #endif

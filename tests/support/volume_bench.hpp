@@ -28,8 +28,8 @@ public:
               place_of(volume), gpu, options.camera, options.width, options.height, options.view)) {
         inputs.facts = gpu.facts();
         inputs.handles = gpu.import(graph);
-        frame.sobol = options.sobol ? 1u : 0u;
         inputs.frame = buffer("frame", std::vector{frame});
+        inputs.sobol = options.sobol;
         inputs.surfaces = !options.view.surfaces.empty();
         std::vector<glm::vec2> ranges;
         std::vector<float> majorants;

@@ -154,7 +154,10 @@ TEST_F(VolumeFrameTest, ValuesAreInTexelUnits) {
     view.density_scale = 40;
     view.clip_planes = {{0, 0, 2, 1}};
     view.light_direction = {0, 3, 0};
-    const shader::VolumeFrame frame = frame_of(volume, view);
+    const ValueRange range = value_range(volume);
+    const VolumeGpu ramp(device(), volume, ramp_over(volume));
+    const shader::VolumeFrame frame =
+        make_volume_frame(place_of(volume), ramp, volume_camera(), 64, 64, view);
     EXPECT_EQ(frame.surface_count, 2u);
     // Voxels of just the isovalue are inside.
     EXPECT_LT(frame.surfaces[0].value, gpu.texel_of(2010));
@@ -163,8 +166,7 @@ TEST_F(VolumeFrameTest, ValuesAreInTexelUnits) {
     EXPECT_EQ(frame.clip_planes[0], glm::vec4(0, 0, 1, 0.5f));
     EXPECT_EQ(frame.light_direction, glm::vec3(0, 1, 0));
     EXPECT_NEAR(frame.majorant, 40.0f, 1e-4f);
-    // The table's first and last entries are the volume's extremes.
-    const ValueRange range = value_range(volume);
+    // The function ends where the volume does, and so does the table.
     EXPECT_FLOAT_EQ(frame.table_first, gpu.texel_of(range.lowest));
     EXPECT_NEAR((gpu.texel_of(range.highest) - frame.table_first) * frame.table_scale,
         static_cast<float>(frame.table_size - 1), 1e-3f);

@@ -2,6 +2,7 @@
 // shaders/include/random.glsl
 #include "framework/core/rng.hpp"
 #include "framework/runtime/commands.hpp"
+#include "shaders/include/random.h"
 #include "tests/support/chi_squared.hpp"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/pass_bench.hpp"
@@ -20,22 +21,21 @@ namespace {
 struct Draw {
     std::uint32_t seed = 7;
     std::uint32_t streams = 1, samples = 1, first_sample = 0, sets = 1, first_set = 0;
-    std::uint32_t sobol = 0;
 };
 
 class RandomTest : public test::GpuTest {
 protected:
     /// next4() of streams x samples x sets, sets fastest.
-    static std::vector<glm::vec4> draw(Draw draw, bool sobol = false) {
-        draw.sobol = sobol ? 1 : 0;
+    static std::vector<glm::vec4> draw(const Draw& draw, bool sobol = false) {
         const std::uint32_t count = draw.streams * draw.samples * draw.sets;
         test::PassBench bench(device());
         PassBuilder pass = bench.graph.add_compute_pass("random");
         const BufferHandle numbers = pass.write("numbers",
             bench.graph.create_buffer("numbers", {std::uint64_t{count} * sizeof(glm::vec4)}));
         pass.record([=](Commands& commands) {
-            commands.dispatch_over(
-                {.shader = "test/random.comp", .specialization = {}, .push = as_push(draw)},
+            commands.dispatch_over({.shader = "test/random.comp",
+                                       .specialization = {{SPEC_SOBOL, sobol ? 1u : 0u}},
+                                       .push = as_push(draw)},
                 {count, 1, 1});
         });
         bench.graph.export_resource(numbers, "tested");

@@ -24,7 +24,7 @@ void main() {
         a.direction = directions.of[i];
         a.value = evaluate_iso(m, push.shading, push.normal, push.view, a.direction);
     } else {
-        Random random = make_random(push.material, i, push.mode, false);
+        Random random = make_random(push.material, i, push.mode);
         a.value = sample_iso(m, push.shading, push.normal, push.view, next4(random), a.direction, a.pdf);
     }
     float pdf = pdf_iso(m, push.shading, push.normal, push.view, a.direction);
