@@ -2,6 +2,7 @@
 // Path traced pictures of small volumes with the errors of their means, for tests of expectations.
 #pragma once
 
+#include "passes/volume/cache.hpp"
 #include "passes/volume/path_trace.hpp"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/volume_bench.hpp"
@@ -10,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,7 @@ struct Case {
     PathTraceParams params = {};
     std::uint32_t samples = 64; ///< per pixel, in two halves
     bool global_majorant = false;
+    std::optional<CacheParams> cache = {}; ///< refined to its target first; mode gather
 };
 
 /// A cube of side 1 and this extinction, as wide as the middle half of a view from (0, 0, 2) with
@@ -59,12 +62,17 @@ protected:
         setup.params.samples_per_step = setup.samples / 2;
         const PathTraceConditions conditions{
             bench.graph.add_condition("restart"), bench.graph.add_condition("drain")};
-        const PathTrace out = add_path_trace(bench.graph, bench.inputs, setup.params, conditions);
+        Cache cache;
+        if (setup.cache) cache = add_cache(bench.graph, bench.inputs, *setup.cache);
+        const PathTrace out = add_path_trace(
+            bench.graph, bench.inputs, setup.params, conditions, {cache.index, cache.cells});
         bench.graph.export_resource(out.radiance, "test");
         bench.on_bind([&](Executor& executor) {
             executor.set(conditions.restart, false); // all is zero before the first execution
-            executor.set(conditions.drain, false);
+            executor.set(conditions.drain, setup.cache.has_value());
         });
+        if (setup.cache) refine(bench, cache);
+        if (setup.cache) bench.executor().set(conditions.drain, false);
         const auto step = [&] {
             bench.execute();
             bench.executor().set(conditions.drain, true);
@@ -96,6 +104,29 @@ protected:
         EXPECT_EQ(result.statistics.truncated, 0u);
         EXPECT_EQ(result.statistics.clamped, 0u);
         return result;
+    }
+
+    /// A cube() seen through a cache of `cells` cells along each side.
+    static Estimate gathered(Case it, std::uint32_t cells, float target_error) {
+        it.volume = float_volume(glm::uvec3(cells), [](glm::uvec3) { return 1.0; });
+        it.params.mode = PathMode::gather;
+        it.cache = CacheParams{.scale = 1,
+            .format = CacheFormat::fp32,
+            .directional = it.options.view.phase_g != 0,
+            .target_error = target_error,
+            .paths = 64,
+            .capacity = cells * cells * cells};
+        return trace(it).mean[0];
+    }
+
+    /// Until every cell has reached its target.
+    static void refine(VolumeBench& bench, const Cache& cache) {
+        for (int i = 0; i < 10000; ++i) {
+            bench.execute();
+            set_cache_change(bench.executor(), cache, CacheChange::none);
+            if (bench.read<shader::CacheControl>(cache.control)[0].suspended != 0) return;
+        }
+        ADD_FAILURE() << "the cache does not reach its target";
     }
 
     /// A view straight along an axis, as wide as `width` around the middle of the box.
