@@ -41,7 +41,7 @@ struct VolumeHandles {
     /// float[levels][entries]: greatest opacity of 2^level entries from each on (fewer at the end);
     /// not where homogeneous.
     BufferHandle opacity_max;
-    ImageHandle environment;        ///< rgba32f, row 0 at +y: shaders/volume/environment.glsl
+    ImageHandle environment;        ///< rgba32f, row 0 at +z: shaders/volume/environment.glsl
     BufferHandle environment_table; ///< what chooses its texels, as listed there
 };
 

@@ -3,7 +3,8 @@
 //   reads environment, environment_table (ENVIRONMENT_MAP)
 //   pdf(w) = luminance(w) / integral of luminance, per steradian
 // The map is constant over each texel, so that sampling by luminance x solid angle is exact. Rows
-// divide the angle from +y evenly; columns turn about y, -z in the middle, +x to its right.
+// divide the angle from +z, which is up for volumes, evenly; columns turn about z, +y, where the
+// default camera looks, in the middle and +x to its right.
 #ifndef OCKHAM_VOLUME_ENVIRONMENT_GLSL
 #define OCKHAM_VOLUME_ENVIRONMENT_GLSL
 
@@ -16,7 +17,7 @@ layout(scalar, binding = 7) readonly buffer EnvironmentTable {
     float pdf_scale; // density = scale * luminance + offset: 1 / integral and 0, but of a black map
     float pdf_offset;
     // Of a map of w x h texels:
-    //   h + 1 squares of sin(angle / 2), of the angles from +y where rows begin and end
+    //   h + 1 squares of sin(angle / 2), of the angles from +z where rows begin and end
     //   h probabilities of a row above the end of each row
     //   h x w probabilities, given the row, of a texel left of the end of each texel
     float items[];
@@ -25,8 +26,8 @@ layout(scalar, binding = 7) readonly buffer EnvironmentTable {
 uvec2 environment_texel(vec3 direction) {
     const float kPi = 3.14159265;
     // Both by atan(): acos() is good to three digits on some drivers.
-    vec2 place = vec2(0.5 + atan(direction.x, -direction.z) / (2.0 * kPi),
-        atan(length(direction.xz), direction.y) / kPi);
+    vec2 place = vec2(0.5 + atan(direction.x, direction.y) / (2.0 * kPi),
+        atan(length(direction.xy), direction.z) / kPi);
     uvec2 size = frame.data.environment_size;
     return min(uvec2(place * vec2(size)), size - 1u);
 }
@@ -79,7 +80,7 @@ vec3 sample_environment(vec2 xi, out vec3 direction, out float pdf) {
     float across = (float(column) + rest_of(columns, column, xi.x)) / float(size.x);
     float azimuth = (across - 0.5) * 6.28318531;
     float sine = 2.0 * sqrt(s * c);
-    direction = normalize(vec3(sine * sin(azimuth), c - s, -sine * cos(azimuth)));
+    direction = normalize(vec3(sine * sin(azimuth), sine * cos(azimuth), c - s));
     vec3 radiance = texelFetch(environment, ivec2(column, row), 0).xyz;
     pdf = environment_pdf_of(radiance);
     return radiance;

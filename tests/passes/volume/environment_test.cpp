@@ -58,14 +58,14 @@ double solid_angle(const Image& map, int y) {
 glm::vec3 towards(const Image& map, double x, double y) {
     const double polar = kPi * y / map.height(), azimuth = 2 * kPi * (x / map.width() - 0.5);
     return {
-        std::sin(polar) * std::sin(azimuth), std::cos(polar), -std::sin(polar) * std::cos(azimuth)};
+        std::sin(polar) * std::sin(azimuth), std::sin(polar) * std::cos(azimuth), std::cos(polar)};
 }
 
 /// Where a direction lies on the map, in texels.
 glm::dvec2 place_on(const Image& map, glm::vec3 direction) {
     const glm::dvec3 d(direction);
-    return {map.width() * (0.5 + std::atan2(d.x, -d.z) / (2 * kPi)),
-        map.height() * std::acos(std::clamp(d.y, -1.0, 1.0)) / kPi};
+    return {map.width() * (0.5 + std::atan2(d.x, d.y) / (2 * kPi)),
+        map.height() * std::acos(std::clamp(d.z, -1.0, 1.0)) / kPi};
 }
 
 std::vector<Query> random_queries(std::size_t count) {
@@ -108,10 +108,10 @@ TEST_F(EnvironmentTest, TexelsStandWhereTheyShould) {
     for (int y = 0; y < 11; ++y)
         for (int x = 0; x < 20; ++x)
             queries.push_back({glm::vec2(0.5f), towards(map, x + 0.5, y + 0.5)});
-    queries.push_back({glm::vec2(0.5f), {0, 1, 0}});      // row 0
-    queries.push_back({glm::vec2(0.5f), {0, -1, 0}});     // last row
-    queries.push_back({glm::vec2(0.5f), {0.01f, 0, -1}}); // right of the middle
-    queries.push_back({glm::vec2(0.5f), {-0.01f, 0, 1}}); // first column
+    queries.push_back({glm::vec2(0.5f), {0, 0, 1}});       // row 0
+    queries.push_back({glm::vec2(0.5f), {0, 0, -1}});      // last row
+    queries.push_back({glm::vec2(0.5f), {0.01f, 1, 0}});   // right of the middle
+    queries.push_back({glm::vec2(0.5f), {-0.01f, -1, 0}}); // first column
     const std::vector<Answer> answers = ask(map, queries);
     const auto texel = [&](int x, int y) {
         return glm::vec3(map.at(x, y, 0), map.at(x, y, 1), map.at(x, y, 2));
@@ -181,7 +181,7 @@ TEST_F(EnvironmentTest, SamplesAreDistributedByTheDensity) {
             const double top = std::cos(kPi * texel.y / size.y);
             const double bottom = std::cos(kPi * (texel.y + 1) / size.y);
             const glm::dvec2 fraction = glm::clamp(
-                glm::dvec2(place.x - texel.x, (top - double{answer.direction.y}) / (top - bottom)),
+                glm::dvec2(place.x - texel.x, (top - double{answer.direction.z}) / (top - bottom)),
                 0.0, 0.9999);
             ++within[static_cast<std::size_t>(fraction.y * 16) * 16 +
                      static_cast<std::size_t>(fraction.x * 16)];
