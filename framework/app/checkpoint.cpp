@@ -64,7 +64,7 @@ void save_checkpoint(const std::filesystem::path& path, const Checkpoint& checkp
         bytes += resource.bytes.size();
     }
     const std::string header = ordered_json{{"identity", checkpoint.identity},
-        {"frame", checkpoint.frame}, {"steps", checkpoint.steps}, {"seconds", checkpoint.seconds},
+        {"progress", checkpoint.progress},
         {"resources", list}}.dump();
     const std::uint64_t length = header.size();
     std::vector<std::byte> file;
@@ -98,9 +98,7 @@ Checkpoint load_checkpoint(const std::filesystem::path& path, const ordered_json
         checkpoint.identity = header.at("identity");
         const std::string differs = difference(checkpoint.identity, identity);
         if (!differs.empty()) refuse(path, "it was written by another run: " + differs);
-        checkpoint.frame = header.at("frame");
-        checkpoint.steps = header.at("steps");
-        checkpoint.seconds = header.at("seconds");
+        checkpoint.progress = header.at("progress");
         for (const ordered_json& resource : header.at("resources")) {
             const std::span<const std::byte> bytes = take(resource.at("bytes"));
             if (checksum(bytes) != resource.at("checksum").get<std::string>())

@@ -7,7 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -16,9 +15,7 @@ namespace ockham {
 struct Checkpoint {
     /// Everything that decides the result, by name. Values are compared as they are printed.
     nlohmann::ordered_json identity;
-    std::uint64_t frame = 0; ///< of a turntable
-    std::uint64_t steps = 0; ///< of this frame
-    double seconds = 0;      ///< spent on all frames so far
+    nlohmann::ordered_json progress; ///< the program's own: how far it came
     std::vector<SavedResource> resources;
 };
 

@@ -4,9 +4,12 @@
 #include "framework/core/error.hpp"
 #include "framework/core/file.hpp"
 #include "framework/core/log.hpp"
+#include "framework/graph/fingerprint.hpp"
 #include "framework/io/image_file.hpp"
 #include "framework/io/volume_file.hpp"
 #include "framework/scene/iso_material.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -87,9 +90,7 @@ void set_light(const VolumeOptions& o, VolumeSource& source) {
         if (view.light_direction == glm::vec3(0.0f))
             fail_input("--light: found '{}', whose direction has no length", o.light);
     }
-    const bool file = o.environment.ends_with(".exr") || o.environment.ends_with(".EXR") ||
-                      o.environment.ends_with(".png");
-    if (file) {
+    if (o.environment.ends_with(".exr") || o.environment.ends_with(".EXR")) {
         source.environment = load_image(o.environment);
     } else if (!o.environment.empty()) {
         view.environment = parse_color("environment", o.environment);
@@ -183,7 +184,7 @@ void add_volume_options(Params& params, VolumeOptions& o) {
     add(kVolume, "light", &o.light,
         "\"dx,dy,dz r,g,b\": the direction that light travels, and its irradiance");
     add(kVolume, "environment", &o.environment,
-        "radiance from all around, \"r,g,b\", or an equirectangular .exr");
+        "radiance from all around, \"r,g,b\", or an equirectangular .exr, zenith at +z");
     add(kVolume, "crop", &o.crop, "x0,x1,y0,y1,z0,z1: the part to show, 0 to 1 over the box");
     add(kVolume, "clip-plane", &o.clip_planes,
         "nx,ny,nz,d: shows what has n p + d >= 0 in world units; repeatable");
@@ -195,6 +196,45 @@ void add_volume_options(Params& params, VolumeOptions& o) {
         .choices({"lambert", "phong", "disney"});
     add(kSurface, "surface-gain", &o.surface_gain, "factor of the light from surfaces")
         .range(0, 1e6);
+}
+
+namespace {
+
+class Printer {
+public:
+    template <class T>
+    Printer& mix(const T* values, std::size_t count) {
+        print_.mix(std::string_view(reinterpret_cast<const char*>(values), count * sizeof(T)));
+        return *this;
+    }
+    std::string text() const { return fmt::format("{:016x}{:016x}", print_.high, print_.low); }
+
+private:
+    Fingerprint print_;
+};
+
+} // namespace
+
+nlohmann::ordered_json fingerprints_of(const VolumeSource& source) {
+    const Volume& v = source.volume;
+    Printer volume, transfer, environment, materials;
+    volume.mix(v.voxels.data(), v.voxels.size())
+        .mix(&v.dims, 1)
+        .mix(&v.type, 1)
+        .mix(&v.spacing_mm, 1)
+        .mix(&v.direction, 1)
+        .mix(&v.value_scale, 1)
+        .mix(&v.value_offset, 1);
+    transfer.mix(source.transfer.points.data(), source.transfer.points.size());
+    environment.mix(&source.view.environment, 1);
+    for (std::size_t c = 0; c < source.environment.channels().size(); ++c) {
+        const std::span<const float> plane = source.environment.plane(static_cast<int>(c));
+        environment.mix(plane.data(), plane.size());
+    }
+    for (const VolumeView::Surface& surface : source.view.surfaces)
+        materials.mix(&surface.opacity, 1).mix(&surface.material, 1);
+    return {{"volume", volume.text()}, {"transfer function", transfer.text()},
+        {"environment", environment.text()}, {"materials", materials.text()}};
 }
 
 VolumeSource load_volume_source(const VolumeOptions& o) {

@@ -9,6 +9,8 @@
 #include "framework/scene/volume.hpp"
 #include "framework/scene/volume_view.hpp"
 
+#include <nlohmann/json_fwd.hpp>
+
 #include <string>
 #include <vector>
 
@@ -35,6 +37,10 @@ struct VolumeSource {
     Image environment; ///< linear R, G, B, equirectangular; empty: one colour, in the view
     VolumeView view;   ///< without seed and bounces
 };
+
+/// Of what the files hold, whatever they are called: {"volume", "transfer function", "environment",
+/// "materials"}, a fingerprint each. What decides a picture besides flags that name no file.
+nlohmann::ordered_json fingerprints_of(const VolumeSource& source);
 
 /// Loads, and logs what it is and what was inferred. Throws Error(input) naming the file or the
 /// flag, what was found there and what is expected.

@@ -14,6 +14,9 @@
 namespace ockham {
 namespace {
 
+constexpr const char* kProgress = "progress";  ///< a saved resource of no graph
+constexpr std::uint32_t kDepthCandidates = 64; ///< of the stochastic search, per pixel and step
+
 VolumeGiParams checked(const VolumeGiParams& params) {
     if (params.width < 1 || params.height < 1 || params.width > 16384 || params.height > 16384) {
         fail_input(
@@ -30,7 +33,9 @@ VolumeGiParams checked(const VolumeGiParams& params) {
 }
 
 /// What of the cache's light or medium is another. Cameras, materials and gains are of no concern.
-CacheChange cache_change(const shader::VolumeFrame& a, const shader::VolumeFrame& b) {
+/// `occlusion`: surfaces are of some.
+CacheChange cache_change(
+    const shader::VolumeFrame& a, const shader::VolumeFrame& b, bool occlusion) {
     const auto planes = [](const shader::VolumeFrame& f) {
         return std::vector<glm::vec4>(f.clip_planes, f.clip_planes + f.clip_count);
     };
@@ -40,8 +45,8 @@ CacheChange cache_change(const shader::VolumeFrame& a, const shader::VolumeFrame
                        a.light_irradiance != b.light_irradiance || a.environment != b.environment ||
                        a.density_scale != b.density_scale || a.albedo != b.albedo ||
                        a.phase_g != b.phase_g || a.max_bounces != b.max_bounces || a.seed != b.seed;
-    bool surface = a.surface_count != b.surface_count;
-    for (std::uint32_t i = 0; i < std::min(a.surface_count, b.surface_count); ++i) {
+    bool surface = occlusion && a.surface_count != b.surface_count;
+    for (std::uint32_t i = 0; occlusion && i < std::min(a.surface_count, b.surface_count); ++i) {
         surface = surface || a.surfaces[i].value != b.surfaces[i].value ||
                   a.surfaces[i].opacity != b.surfaces[i].opacity;
     }
@@ -136,9 +141,11 @@ Graph VolumeGi::declare() {
         .sobol = params_.sobol};
     if (!facts.emission) graph.omit_resource("emission", "the transfer function emits nothing");
     if (!facts.environment_map) graph.omit_resource("environment", "the environment is one colour");
+    new_view_ = graph.add_condition("new view");
     restart_ = graph.add_condition("new picture");
     declare_majorants(graph);
     cache_.reset();
+    composed_.reset();
     if (caching()) {
         declare_cache(graph);
     } else {
@@ -189,13 +196,16 @@ void VolumeGi::declare_picture(Graph& graph) {
     graph.omit_pass("path_trace", "--gather off: the picture is composed from the cache");
     ComposeInputs in{.medium = medium_, .cache_index = cache_->index, .cache_cells = cache_->cells};
     if (medium_.surfaces && params_.search != SurfaceSearch::exact) {
-        const SurfaceDepthParams search{
-            .width = params_.width, .height = params_.height, .search = params_.search};
-        in.surface_depth = add_surface_depth(graph, medium_, search, restart_).depth;
+        const SurfaceDepthParams search{.width = params_.width,
+            .height = params_.height,
+            .search = params_.search,
+            .candidates = kDepthCandidates};
+        in.surface_depth = add_surface_depth(graph, medium_, search, new_view_).depth;
     }
     const ComposeParams composing{
         .width = params_.width, .height = params_.height, .samples = params_.samples_per_step};
-    radiance_ = add_compose(graph, in, composing, restart_).picture;
+    composed_ = add_compose(graph, in, composing, restart_);
+    radiance_ = composed_->picture;
 }
 
 void VolumeGi::declare_captures(Graph& graph) {
@@ -203,7 +213,7 @@ void VolumeGi::declare_captures(Graph& graph) {
     for (const std::string& name : params_.captures) {
         if (name == "surface_depth" && medium_.surfaces && !graph.find_image(name)) {
             const SurfaceDepthParams exact{.width = params_.width, .height = params_.height};
-            add_surface_depth(graph, medium_, exact, restart_);
+            add_surface_depth(graph, medium_, exact, new_view_);
         }
         const ImageHandle image = graph.find_image(name);
         if (!image) fail_input("--capture: this graph has no image '{}'; --plan lists them", name);
@@ -225,33 +235,58 @@ void VolumeGi::declare_anew() {
 }
 
 void VolumeGi::execute() {
-    if (pending_.picture) steps_ = 0;
-    // Light from before the cache was finer must leave the mean: it begins anew after 1, 2, 4 ...
-    // steps, so that half of them or more stay.
-    const bool stale = caching() && !suspended_ && std::has_single_bit(steps_);
     if (pending_.cache != CacheChange::none) suspended_ = false;
+    if (pending_.picture) progress_ = {.settled = suspended_ ? 1u : 0u};
+    // Light from before the cache was finer must leave the mean: it begins anew after 1, 2, 4 ...
+    // steps, so that half of them or more stay, and when the cache is done.
+    const bool stale = caching() && !progress_.settled && !pending_.picture &&
+                       (suspended_ || std::has_single_bit(progress_.steps));
+    if (stale) {
+        if (traces()) {
+            const PathStatistics paths = path_statistics(executor_->read(paths_.statistics));
+            progress_.paths += paths.finished;
+            progress_.events += paths.steps;
+            progress_.resumed += paths.resumed;
+            progress_.truncated += paths.truncated + paths.clamped;
+        }
+        progress_.settled = suspended_ ? 1u : 0u;
+    }
     executor_->set(new_volume_, pending_.volume);
     executor_->set(new_transfer_, pending_.volume || pending_.transfer);
+    executor_->set(new_view_, pending_.picture);
     executor_->set(restart_, pending_.picture || stale);
     executor_->set(drain_, false);
+    if (composed_) *composed_->begins = true;
     if (cache_) {
         executor_->set(refine_, !suspended_);
         set_cache_change(*executor_, *cache_, pending_.cache);
     }
     executor_->execute();
     pending_ = {false, false, false, CacheChange::none};
-    ++steps_;
+    ++progress_.steps;
     if (cache_ && !suspended_) suspended_ = cache_control().suspended != 0;
 }
 
-void VolumeGi::finish() {
-    if (!traces() || pending_.picture) return;
-    executor_->set(new_volume_, false);
-    executor_->set(new_transfer_, false);
-    executor_->set(restart_, false);
+bool VolumeGi::finished() {
+    if (pending_.picture) return true;
+    if (traces()) return path_statistics(executor_->read(paths_.statistics)).drained();
+    const Image counts = executor_->read(composed_->count);
+    return std::ranges::all_of(
+        counts.plane(0), [](float count) { return static_cast<std::uint32_t>(count) % 2 == 0; });
+}
+
+void VolumeGi::drain() {
+    check(!pending_.picture, "drain() after a step");
+    for (const Condition condition : {new_volume_, new_transfer_, new_view_, restart_})
+        executor_->set(condition, false);
     executor_->set(drain_, true);
+    if (composed_) *composed_->begins = false;
     if (cache_) executor_->set(refine_, false);
-    while (!path_statistics(executor_->read(paths_.statistics)).drained()) executor_->execute();
+    executor_->execute();
+}
+
+void VolumeGi::finish() {
+    while (!finished()) drain();
 }
 
 void VolumeGi::set_camera(const Camera& camera) {
@@ -264,7 +299,7 @@ void VolumeGi::set_view(const VolumeView& view) {
     std::memcpy(&before, frame_.mapped().data(), sizeof(before));
     show(view, camera_);
     std::memcpy(&after, frame_.mapped().data(), sizeof(after));
-    const CacheChange change = cache_change(before, after);
+    const CacheChange change = cache_change(before, after, params_.iso_occlusion);
     pending_.picture = true;
     pending_.cache = both(pending_.cache, change);
     const bool other_graph = (before.surface_count == 0) != (after.surface_count == 0) ||
@@ -299,10 +334,10 @@ VolumeStatistics VolumeGi::statistics() {
     out.majorant_cells = medium_.majorants ? std::uint64_t{cells.x} * cells.y * cells.z : 1;
     if (traces()) {
         const PathStatistics paths = path_statistics(executor_->read(paths_.statistics));
-        out.paths = paths.finished;
-        out.steps = paths.steps;
-        out.resumed = paths.resumed;
-        out.truncated = paths.truncated + paths.clamped;
+        out.paths = progress_.paths + paths.finished;
+        out.steps = progress_.events + paths.steps;
+        out.resumed = progress_.resumed + paths.resumed;
+        out.truncated = progress_.truncated + paths.truncated + paths.clamped;
         add_pixel_error(out);
     }
     if (cache_) {
@@ -340,13 +375,21 @@ void VolumeGi::add_pixel_error(VolumeStatistics& out) {
 
 std::vector<SavedResource> VolumeGi::save() {
     check(!pending_.picture && pending_.cache == CacheChange::none, "save() after a step");
-    return executor_->save();
+    std::vector<SavedResource> saved = executor_->save();
+    const auto bytes = std::as_bytes(std::span(&progress_, 1));
+    saved.push_back({kProgress, {bytes.begin(), bytes.end()}});
+    return saved;
 }
 
-void VolumeGi::restore(const std::vector<SavedResource>& saved, std::uint64_t steps) {
+void VolumeGi::restore(std::vector<SavedResource> saved) {
+    if (saved.empty() || saved.back().name != kProgress ||
+        saved.back().bytes.size() != sizeof(progress_)) {
+        fail_input("what was saved does not say how far the picture was");
+    }
+    std::memcpy(&progress_, saved.back().bytes.data(), sizeof(progress_));
+    saved.pop_back();
     executor_->restore(saved);
     pending_ = {false, false, false, CacheChange::none};
-    steps_ = steps;
     suspended_ = cache_ && cache_control().suspended != 0;
 }
 

@@ -85,7 +85,11 @@ public:
 
     /// One step.
     void execute();
-    /// Ends the paths that steps left unfinished, so that no long path is missing from the picture.
+    /// Steps leave paths and rays unfinished where a budget of iterations ended; a picture without
+    /// them is darker or brighter than it should be. finished() says whether there are none;
+    /// drain() is an execution that only goes on with them; finish() does so until there are none.
+    bool finished();
+    void drain();
     void finish();
 
     /// What is shown from now on. The picture begins anew; the cache only where its light or its
@@ -97,13 +101,13 @@ public:
     /// R, G, B (linear radiance) and A: means over all samples.
     Image picture() { return executor_->read(radiance_); }
     /// Since the picture began anew.
-    std::uint64_t steps() const { return pending_.picture ? 0 : steps_; }
+    std::uint64_t steps() const { return pending_.picture ? 0 : progress_.steps; }
     VolumeStatistics statistics();
 
     /// All that later steps depend on, after at least one. restore() into one that was made with
     /// equal arguments goes on bit for bit; Error(input) where it was saved by another.
     std::vector<SavedResource> save();
-    void restore(const std::vector<SavedResource>& saved, std::uint64_t steps);
+    void restore(std::vector<SavedResource> saved);
 
     const VolumeGpu& gpu() const { return gpu_; }
     Executor& executor() { return *executor_; }
@@ -114,6 +118,13 @@ private:
     struct Pending {
         bool volume = true, transfer = true, picture = true;
         CacheChange cache = CacheChange::medium;
+    };
+    /// Of the picture; saved with it.
+    struct Progress {
+        std::uint64_t steps = 0;
+        /// Of paths whose samples have left the mean since: see execute().
+        std::uint64_t paths = 0, events = 0, resumed = 0, truncated = 0;
+        std::uint64_t settled = 0; ///< 1: all samples are of the cache as it will stay
     };
     bool caching() const { return params_.mode == VolumeMode::caching; }
     bool traces() const { return !caching() || params_.gather; }
@@ -142,12 +153,13 @@ private:
     MediumInputs medium_;
     std::optional<Cache> cache_;
     PathTrace paths_;
+    std::optional<Composed> composed_;
     ImageHandle radiance_; ///< the picture
     std::vector<ImageHandle> captures_;
-    Condition new_volume_, new_transfer_, restart_, drain_, refine_;
+    Condition new_volume_, new_transfer_, new_view_, restart_, drain_, refine_;
     std::unique_ptr<Executor> executor_;
     Pending pending_;
-    std::uint64_t steps_ = 0;
+    Progress progress_;
     bool suspended_ = false; ///< the cache was, after the last execution
 };
 

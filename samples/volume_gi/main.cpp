@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // volume_gi: renders volumes and isosurfaces with global illumination, sample after sample, and
 // reports what it took. README.md beside this file has examples.
+#include "framework/app/camera_path.hpp"
 #include "framework/app/checkpoint.hpp"
 #include "framework/app/cli.hpp"
 #include "framework/app/headless.hpp"
@@ -44,7 +45,8 @@ struct Options {
     int steps = 0; ///< 0: as many as the other bounds allow
     float time = 0;
     float target_error = 0;
-    int turntable = 1;
+    int turntable = 0, frames = 0;
+    std::string camera_path;
     std::string checkpoint, resume;
     float checkpoint_interval = 60;
     std::string convergence;
@@ -64,7 +66,9 @@ void declare(Params& params, Options& o) {
     add(kMethod, "sampler", &o.sampler, "random numbers").choices({"independent", "sobol"});
     add(kMethod, "majorant", &o.majorant, "bounds of the extinction, for free flights")
         .choices({"global", "grid"});
-    add(kMethod, "nee", &o.nee, "samples the light at collisions; off: only escaping paths see it")
+    add(kMethod, "nee", &o.nee,
+        "samples an environment map at collisions; off: it is met by chance (the sun is always "
+        "sampled)")
         .on_off();
     add(kMethod, "max-bounces", &o.max_bounces, "most scatterings of a path; -1: no bound")
         .range(-1, 1 << 30);
@@ -102,8 +106,12 @@ void declare(Params& params, Options& o) {
     add(kRun, "resume", &o.resume, "checkpoint to go on from, of a run with the same flags")
         .transient();
     add("Picture", "turntable", &o.turntable,
-        "pictures around the volume; -o then needs a number, as out%03d.png")
-        .range(1, 100000);
+        "pictures around the volume, -o numbered as out%03d.png; 0: one picture")
+        .range(0, 100000);
+    add("Picture", "camera-path", &o.camera_path,
+        "JSON file of key cameras, -o numbered as out%03d.png");
+    add("Picture", "frames", &o.frames, "pictures along --camera-path; 0: one for each key")
+        .range(0, 100000);
     add(kReport, "convergence", &o.convergence,
         "CSV file: seconds, steps, paths, psnr, ssim, flip against --reference as it goes on")
         .transient();
@@ -112,35 +120,49 @@ void declare(Params& params, Options& o) {
     add_run_flags(params, o.common);
 }
 
-void check_options(const Options& o) {
-    if (!o.convergence.empty() && o.common.reference.empty())
-        fail_input("--convergence: there is no --reference to converge to");
-    if (o.turntable > 1 && !o.common.reference.empty())
-        fail_input(
-            "--reference: {} pictures of a turntable cannot be measured against one", o.turntable);
-    if (o.turntable > 1 && !o.common.output.empty() && !is_numbered(o.common.output)) {
-        fail_input("--output: '{}' is one name for {} pictures; put a number in it, as out%03d.png",
-            o.common.output, o.turntable);
-    }
-}
-
-Camera choose_camera(const Options& o) {
-    Camera camera = volume_camera();
-    if (!o.common.camera.empty()) {
+/// One for each picture.
+std::vector<Camera> choose_cameras(const Options& o) {
+    if (!o.camera_path.empty() && (o.turntable > 0 || !o.common.camera.empty()))
+        fail_input("--camera-path: '{}' says where to stand; leave out --camera and --turntable",
+            o.camera_path);
+    if (o.frames > 0 && o.camera_path.empty())
+        fail_input("--frames: {} pictures of what? give --camera-path, or --turntable N", o.frames);
+    std::vector<Camera> cameras{volume_camera()};
+    if (!o.camera_path.empty()) {
+        cameras = load_camera_path(o.camera_path, o.frames, UpAxis::z);
+    } else if (!o.common.camera.empty()) {
         const std::optional<Camera> given = parse_camera(o.common.camera, UpAxis::z);
         if (!given)
             fail_input("--camera: found '{}', expected \"px,py,pz tx,ty,tz fov\"", o.common.camera);
-        camera = *given;
+        cameras = {*given};
     }
-    if (o.common.orthographic > 0) camera.orthographic_height = o.common.orthographic;
-    return camera;
+    for (int i = 1; i < o.turntable; ++i) {
+        const float turn = static_cast<float>(i) / static_cast<float>(o.turntable);
+        cameras.push_back(turned(
+            cameras.front(), glm::vec3(0.0f), UpAxis::z, 2.0f * std::numbers::pi_v<float> * turn));
+    }
+    for (Camera& camera : cameras)
+        if (o.common.orthographic > 0) camera.orthographic_height = o.common.orthographic;
+    return cameras;
 }
 
-VolumeMode mode_of(const Options& o, const Volume& volume, gpu::Device& device) {
+void check_options(const Options& o, std::size_t pictures) {
+    if (!o.convergence.empty() && o.common.reference.empty())
+        fail_input("--convergence: there is no --reference to converge to");
+    if (pictures > 1 && !o.common.reference.empty())
+        fail_input("--reference: {} pictures cannot be measured against one", pictures);
+    if (pictures > 1 && !o.common.output.empty() && !is_numbered(o.common.output)) {
+        fail_input("--output: '{}' is one name for {} pictures; put a number in it, as out%03d.png",
+            o.common.output, pictures);
+    }
+}
+
+VolumeMode mode_of(
+    const Options& o, const Volume& volume, std::size_t pictures, gpu::Device& device) {
     if (o.mode == "path") return VolumeMode::path;
     if (o.mode == "noncaching") return VolumeMode::noncaching;
     if (o.mode == "caching") return VolumeMode::caching;
-    const ModeChoice choice = choose_mode(volume, static_cast<std::uint64_t>(o.turntable),
+    const ModeChoice choice = choose_mode(volume, pictures,
         static_cast<std::uint32_t>(o.cache_scale), device.allocator().budget_bytes());
     log::info("--mode auto: {}, for {}", name_of(choice.mode), choice.why);
     return choice.mode;
@@ -168,45 +190,29 @@ VolumeGiParams picture_params(const Options& o, VolumeMode mode) {
     return p;
 }
 
-/// Of what files hold, whatever they are called.
-std::string fingerprint_of(const VolumeSource& source) {
-    Fingerprint print;
-    const auto mix = [&](const auto* values, std::size_t count) {
-        print.mix(std::string_view(reinterpret_cast<const char*>(values), count * sizeof(*values)));
-    };
-    const Volume& volume = source.volume;
-    mix(volume.voxels.data(), volume.voxels.size());
-    mix(&volume.dims, 1);
-    mix(&volume.spacing_mm, 1);
-    mix(&volume.direction, 1);
-    mix(&volume.value_scale, 1);
-    mix(&volume.value_offset, 1);
-    mix(source.transfer.points.data(), source.transfer.points.size());
-    for (const VolumeView::Surface& surface : source.view.surfaces) {
-        mix(&surface.value, 1);
-        mix(&surface.opacity, 1);
-        mix(&surface.material, 1);
-    }
-    for (std::size_t c = 0; c < source.environment.channels().size(); ++c) {
-        const std::span<const float> plane = source.environment.plane(static_cast<int>(c));
-        mix(plane.data(), plane.size());
-    }
-    return fmt::format("{:016x}{:016x}", print.high, print.low);
-}
-
-/// Everything that decides the picture: all flags but those of one run, what files hold, and the
-/// program and the driver.
-nlohmann::ordered_json identity_of(
-    const Params& params, const VolumeSource& source, const gpu::Device& device) {
+/// Everything that decides the picture: flags but those of one run and names of files, what these
+/// files hold, the program and the driver.
+nlohmann::ordered_json identity_of(const Params& params, const VolumeSource& source,
+    const std::vector<Camera>& cameras, VolumeMode mode, const gpu::Device& device) {
     static const std::set<std::string> decide_nothing{"allow-external", "checkpoint-interval",
         "exposure", "gpu", "memory-budget", "quiet", "shader-dir", "steps", "strict", "time",
-        "tonemap", "validation"};
+        "tonemap", "validation", "volume", "transfer", "window", "environment", "iso-material",
+        "camera-path", "mode"};
     nlohmann::ordered_json identity{{"commit", commit()}, {"device", device.info().name},
-        {"driver", device.info().driver_version}};
+        {"driver", device.info().driver_version}, {"mode", name_of(mode)}};
     const nlohmann::json flags = params.to_json();
-    for (const auto& [name, value] : flags.items())
-        if (!decide_nothing.contains(name)) identity["--" + name] = value;
-    identity["content"] = fingerprint_of(source);
+    for (const auto& [name, value] : flags.items()) {
+        const bool decides = name != "target-error" || mode == VolumeMode::caching;
+        if (decides && !decide_nothing.contains(name)) identity["--" + name] = value;
+    }
+    const nlohmann::ordered_json prints = fingerprints_of(source);
+    for (const auto& [name, print] : prints.items()) identity[name] = print;
+    Fingerprint path;
+    for (const Camera& camera : cameras)
+        for (const float number : {camera.position.x, camera.position.y, camera.position.z,
+                 camera.forward.x, camera.forward.y, camera.forward.z, camera.fov_y_degrees})
+            path.mix(std::uint64_t{std::bit_cast<std::uint32_t>(number)});
+    identity["cameras"] = fmt::format("{:016x}", path.high);
     return identity;
 }
 
@@ -214,17 +220,20 @@ nlohmann::ordered_json identity_of(
 class Session {
 public:
     Session(const Options& options, HeadlessRun& run, gpu::Device& device, VolumeGi& gi,
-        nlohmann::ordered_json identity)
-        : o_(options), run_(run), device_(device), gi_(gi), camera_(choose_camera(options)),
+        const std::vector<Camera>& cameras, nlohmann::ordered_json identity)
+        : o_(options), run_(run), device_(device), gi_(gi), cameras_(cameras),
           identity_(std::move(identity)) {}
 
     /// False where it was interrupted; then the checkpoint is written.
     bool render() {
         resume();
-        for (;; gi_.set_camera(camera_of(++frame_))) {
-            if (!render_frame()) return false;
-            run_.save_picture(gi_.picture(), frame_);
-            if (frame_ + 1 >= o_.turntable) break;
+        for (;; gi_.set_camera(cameras_[++frame_])) {
+            if (!render_frame() || !add_row() || !finish()) {
+                save();
+                return false;
+            }
+            run_.save_picture(gi_.picture(), static_cast<int>(frame_));
+            if (frame_ + 1 >= cameras_.size()) break;
         }
         save();
         return true;
@@ -232,37 +241,34 @@ public:
     double seconds() const { return seconds_; }
 
 private:
-    Camera camera_of(int frame) const {
-        const float turn = static_cast<float>(frame) / static_cast<float>(o_.turntable);
-        return turned(camera_, glm::vec3(0.0f), UpAxis::z, 2.0f * std::numbers::pi_v<float> * turn);
-    }
-
     std::uint64_t last_step() const {
         if (o_.steps > 0) return static_cast<std::uint64_t>(o_.steps);
         return o_.time > 0 || o_.target_error > 0 ? ~std::uint64_t{0} : kDefaultSteps;
     }
 
+    /// The steps of a picture. False where it was interrupted.
     bool render_frame() {
         const std::uint64_t last = last_step();
         const double begin = seconds_;
         Progress progress("step", last == ~std::uint64_t{0} ? 1 : last, o_.common.quiet);
         for (std::uint64_t next_check = 2; gi_.steps() < last;) {
-            if (interrupted()) {
-                save();
-                return false;
-            }
+            if (interrupted()) return false;
             step();
             progress.update(gi_.steps());
-            if (std::has_single_bit(gi_.steps()) && gi_.steps() < last) add_row();
+            if (std::has_single_bit(gi_.steps()) && gi_.steps() < last && !add_row()) return false;
             if (!o_.checkpoint.empty() && since_saved_.seconds() >= o_.checkpoint_interval) save();
             if (o_.time > 0 && seconds_ - begin >= o_.time) break;
             if (o_.target_error > 0 && gi_.steps() >= next_check && converged(next_check)) break;
         }
-        const Timer timer;
-        gi_.finish();
-        seconds_ += timer.seconds();
-        add_row();
         return true;
+    }
+
+    /// Long paths may take many executions. False where it was interrupted.
+    bool finish() {
+        const Timer timer;
+        while (!gi_.finished() && !interrupted()) gi_.drain();
+        seconds_ += timer.seconds();
+        return gi_.finished();
     }
 
     void step() {
@@ -286,41 +292,46 @@ private:
         return false;
     }
 
-    /// One more row of --convergence; the time that this takes does not count.
-    void add_row() {
-        if (o_.convergence.empty()) return;
-        gi_.finish();
+    /// One more row of --convergence. Measuring takes no time. False where it was interrupted.
+    bool add_row() {
+        if (o_.convergence.empty()) return true;
+        if (!finish()) return false;
+
         const std::optional<ImageError> error = run_.error_of(gi_.picture());
         rows_ += fmt::format("{:.6g},{},{},{:.6g},{:.6g},{:.6g}\n", seconds_, gi_.steps(),
             gi_.statistics().paths, std::isinf(error->psnr) ? 999.0 : error->psnr, error->ssim,
             error->flip.mean);
         write_text(o_.convergence, "seconds,steps,paths,psnr,ssim,flip\n" + rows_);
+        return true;
     }
 
     void save() {
         if (o_.checkpoint.empty() || gi_.steps() == 0) return;
         save_checkpoint(o_.checkpoint,
-            {identity_, static_cast<std::uint64_t>(frame_), gi_.steps(), seconds_, gi_.save()});
+            {identity_,
+                {{"frame", frame_}, {"steps", gi_.steps()}, {"seconds", seconds_}, {"rows", rows_}},
+                gi_.save()});
         since_saved_.restart();
     }
 
     void resume() {
         if (o_.resume.empty()) return;
-        const Checkpoint checkpoint = load_checkpoint(o_.resume, identity_);
-        frame_ = static_cast<int>(checkpoint.frame);
-        if (frame_ > 0) gi_.set_camera(camera_of(frame_));
-        gi_.restore(checkpoint.resources, checkpoint.steps);
-        seconds_ = checkpoint.seconds;
-        log::info("resumed '{}' after {} steps", o_.resume, checkpoint.steps);
+        Checkpoint checkpoint = load_checkpoint(o_.resume, identity_);
+        frame_ = checkpoint.progress.at("frame");
+        if (frame_ > 0) gi_.set_camera(cameras_.at(frame_));
+        gi_.restore(std::move(checkpoint.resources));
+        seconds_ = checkpoint.progress.at("seconds");
+        rows_ = checkpoint.progress.at("rows");
+        log::info("resumed '{}' after {} steps", o_.resume, gi_.steps());
     }
 
     const Options& o_;
     HeadlessRun& run_;
     gpu::Device& device_;
     VolumeGi& gi_;
-    Camera camera_;
+    const std::vector<Camera>& cameras_;
     nlohmann::ordered_json identity_;
-    int frame_ = 0;
+    std::size_t frame_ = 0;
     double seconds_ = 0; ///< of executions
     bool warm_ = false;
     Timer since_saved_;
@@ -360,7 +371,8 @@ int render(int argc, char** argv) {
             "Renders volumes and isosurfaces with global illumination.", params, o.common)) {
         return *done;
     }
-    check_options(o);
+    const std::vector<Camera> cameras = choose_cameras(o);
+    check_options(o, cameras.size());
     HeadlessRun run(o.common, argc, argv, {o.checkpoint, o.convergence});
 
     VolumeSource source = load_volume_source(o.volume);
@@ -369,21 +381,22 @@ int render(int argc, char** argv) {
     gpu::Device device(device_options(o.common));
     watch_shaders(device, o.common);
     log::info("{} ({})", device.info().name, device.info().driver_version);
-    const VolumeGiParams picture = picture_params(o, mode_of(o, source.volume, device));
+    const VolumeMode mode = mode_of(o, source.volume, cameras.size(), device);
     VolumeGi gi(device, source.volume, source.transfer, source.environment, source.view,
-        choose_camera(o), picture);
+        cameras.front(), picture_params(o, mode));
     run.announce(device, gi.executor());
     log::info("volume {} MiB, graph {} MiB", gi.gpu().bytes() >> 20,
         gi.executor().plan().bytes_peak >> 20);
 
-    Session session(o, run, device, gi, identity_of(params, source, device));
+    Session session(
+        o, run, device, gi, cameras, identity_of(params, source, cameras, mode, device));
     if (!session.render()) return 130;
     expect_no_validation_messages(device);
     run.save_captures(gi.executor(), gi.captures());
     const VolumeStatistics statistics = gi.statistics();
     const std::optional<ImageError> error = run.error_of(gi.picture());
     print_summary(run.times(), gi, statistics, session.seconds(), error);
-    run.report(device, gi.executor(), {{"volume", to_json(statistics, picture.mode)}}, error);
+    run.report(device, gi.executor(), {{"volume", to_json(statistics, mode)}}, error);
     return 0;
 }
 

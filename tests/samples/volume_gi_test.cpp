@@ -211,7 +211,7 @@ TEST_F(VolumeGiProgram, checkpoints_of_other_runs_are_refused) {
     std::string voxels = read_text(folder / "ball.raw");
     voxels[2000] = static_cast<char>(voxels[2000] + 1);
     write_text(folder / "ball.raw", voxels);
-    expect_error(same + "c", 2, {"content is"});
+    expect_error(same + "c", 2, {"volume is"});
 }
 
 TEST_F(VolumeGiProgram, an_interrupt_writes_the_checkpoint) {
@@ -256,6 +256,20 @@ TEST_F(VolumeGiProgram, convergence_is_a_table) {
     }
     EXPECT_EQ(steps, (std::vector<double>{1, 2, 4, 8, 16, 20}));
     EXPECT_GT(psnr.back(), psnr.front() + 5);
+
+    // A resumed run goes on with the table, whose rows of sums only grow in every mode.
+    const std::string caching = "--mode caching --convergence c.csv --reference reference.exr ";
+    render(caching + "--steps 4 --checkpoint c");
+    render(caching + "--steps 16 --resume c");
+    const std::string table = read_text(folder / "c.csv");
+    EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 6) << table;
+    double paths_before = 0;
+    std::istringstream rows(table.substr(table.find('\n') + 1));
+    while (std::getline(rows, line)) {
+        const double paths = std::stod(line.substr(line.find(',', line.find(',') + 1) + 1));
+        EXPECT_GT(paths, paths_before) << table;
+        paths_before = paths;
+    }
 }
 
 TEST_F(VolumeGiProgram, stops_at_its_target_error) {
@@ -284,6 +298,36 @@ TEST_F(VolumeGiProgram, turntables_go_around) {
     const Result result = run("ball.json --turntable 2 --steps 1 --width 8 --height 8");
     EXPECT_NE(result.text.find("--mode auto: caching"), std::string::npos) << result.text;
     expect_error("ball.json --turntable 2 -o one.png", 2, {"one.png", "2 pictures"});
+}
+
+TEST_F(VolumeGiProgram, camera_paths_go_from_key_to_key) {
+    write_text(folder / "path.json", R"({"keys": [{"camera": "0,-2.6,0 0,0,0 30"},
+        {"camera": "2.6,0,0 0,0,0 30"}, {"camera": "2.6,0,1 0,0,0 40"}]})");
+    const std::string common = "ball.json --transfer thin.json --density-scale 8 --width 16 "
+                               "--height 16 --mode path --steps 2 --quiet --camera-path path.json ";
+    ASSERT_EQ(run(common + "-o key%d.exr").exit_code, 0);
+    ASSERT_EQ(run(common + "--frames 5 -o all%d.exr").exit_code, 0);
+    ASSERT_TRUE(fs::exists(folder / "key2.exr"));
+    EXPECT_FALSE(fs::exists(folder / "key3.exr"));
+    for (int key = 0; key < 3; ++key) {
+        const auto load = [&](const char* name, int i) {
+            return load_image(folder / (name + std::to_string(i) + ".exr"));
+        };
+        EXPECT_TRUE(equal(load("key", key), load("all", 2 * key))) << key;
+    }
+    EXPECT_TRUE(equal(load_image(folder / "key0.exr"), picture("--mode path --steps 2")));
+}
+
+TEST_F(VolumeGiProgram, checkpoints_are_of_content_not_of_names) {
+    render("--mode path --steps 2 --checkpoint c");
+    const Image whole = picture("--mode path --steps 4");
+    fs::copy(folder / "ball.json", folder / "other.json");
+    fs::copy(folder / "thin.json", folder / "thinner.json");
+    const Result result = run("other.json --transfer thinner.json --density-scale 8 --width 16 "
+                              "--height 16 --camera '0,-2.6,0 0,0,0 30' --mode auto "
+                              "--target-error 0.001 --steps 4 --resume c -o again.exr --quiet");
+    ASSERT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_TRUE(equal(whole, load_image(folder / "again.exr")));
 }
 
 TEST_F(VolumeGiProgram, run_files_repeat_a_run) {
@@ -348,6 +392,11 @@ TEST_F(VolumeGiProgram, bad_input_is_one_error_with_exit_code_2) {
         "ball.json --iso 9 --iso-material shine.json", 2, {"shine.json", "roughness", "2"});
     expect_error("ball.json --iso 9 --iso-material two.json", 2, {"two.json", "2 materials"});
     expect_error("ball.json --iso 9 --surface-search march", 2, {"surface search", "--gather off"});
+    write_text(folder / "path.json", R"({"keys": [{"camera": "front"}]})");
+    expect_error("ball.json --camera-path path.json", 2, {"path.json", "keys[0].camera", "front"});
+    expect_error("ball.json --frames 3", 2, {"--frames", "--camera-path"});
+    expect_error(
+        "ball.json --camera-path path.json --turntable 3", 2, {"--camera-path", "--turntable"});
     expect_error("ball.json --camera nobody", 2, {"--camera", "nobody"});
     expect_error("ball.json -o no/such/folder.exr", 2, {"no/such/folder.exr"});
     expect_error("ball.json --checkpoint no/such/file", 2, {"no/such/file"});

@@ -202,6 +202,14 @@ TEST_F(VolumeGiTest, AConvergedCacheIsLeftAlone) {
         ++steps;
     }
     ASSERT_LT(steps, 200);
+    gi.execute(); // a sum of this cache alone
+    gi.execute();
+    gi.finish();
+    const std::vector<SavedResource> saved = gi.save();
+    const auto progress = std::ranges::find(saved, "path_progress", &SavedResource::name);
+    std::uint32_t finished = 0;
+    std::memcpy(&finished, progress->bytes.data(), sizeof(finished));
+    EXPECT_EQ(finished, 2u);
     gi.execute();
     bool traced = false;
     for (const PassTime& time : gi.executor().times())
@@ -230,6 +238,42 @@ TEST_F(VolumeGiTest, TheBudgetOfIterationsChangesNothing) {
         EXPECT_GT(pieces.statistics().resumed, whole.statistics().resumed);
         EXPECT_EQ(pieces.statistics().paths, 3u * 16 * 12);
     }
+}
+
+TEST_F(VolumeGiTest, AStochasticDepthSettlesWhileTheCacheDoes) {
+    VolumeGiParams exact = params(VolumeMode::caching, false), stochastic = exact;
+    stochastic.search = SurfaceSearch::stochastic;
+    exact.captures = stochastic.captures = {"surface_depth"};
+    VolumeView view = lit();
+    view.surfaces = {{.value = 190}};
+    VolumeGi a = make(exact, view), b = make(stochastic, view);
+    after(a, 20);
+    after(b, 20); // restarts of the picture leave what was found: 20 * 64 candidates
+    const Image found = b.executor().read(b.captures()[0]);
+    const Image truth = a.executor().read(a.captures()[0]);
+    std::size_t hits = 0;
+    for (std::size_t i = 0; i < truth.pixels(); ++i) {
+        if (truth.plane(1)[i] == 0) continue;
+        ++hits;
+        // One-sided and exponential, of mean a / N: 12 means is chance.
+        EXPECT_GE(found.plane(0)[i], truth.plane(0)[i] - 1e-4f);
+        EXPECT_LT(found.plane(0)[i], truth.plane(0)[i] + 12.0f / (20 * 64));
+    }
+    EXPECT_GT(hits, 10u);
+}
+
+TEST_F(VolumeGiTest, ASurfaceThatKeepsNoLightOutIsOfNoConcernToTheCache) {
+    VolumeGiParams p = params(VolumeMode::caching, false);
+    p.iso_occlusion = false;
+    VolumeView view = lit();
+    view.surfaces = {{.value = 190}};
+    VolumeGi gi = make(p, view);
+    after(gi, 3);
+    const std::uint64_t paths = gi.statistics().paths;
+    view.surfaces[0].value = 120;
+    gi.set_view(view);
+    after(gi, 1);
+    EXPECT_GT(gi.statistics().paths, paths);
 }
 
 TEST_F(VolumeGiTest, ModesAreChosenByUse) {
