@@ -239,6 +239,13 @@ void VolumeGpu::make_volume(gpu::Uploader& uploader, const Volume& volume) {
 
 void VolumeGpu::make_environment(gpu::Uploader& uploader, const Image& map) {
     environment_size_ = {map.width(), map.height()};
+    const std::uint64_t table_bytes =
+        (map.pixels() + 2 * std::uint64_t{environment_size_.y} + 3) * sizeof(float);
+    if (table_bytes > device_->limits().storage_bytes) {
+        fail_device("environment map: the table that samples its {} x {} texels takes {} bytes, "
+                    "but the device binds {} at a time; scale the map down",
+            map.width(), map.height(), table_bytes, device_->limits().storage_bytes);
+    }
     facts_.environment_map = true;
     const std::vector<glm::vec4> texels = environment_texels(map);
     const EnvironmentTable table = environment_table(texels, environment_size_);
