@@ -3,6 +3,7 @@
 
 #include "framework/core/error.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ockham {
@@ -70,6 +71,10 @@ void set_medium(shader::VolumeFrame& frame, const VolumeGpu& volume, const Volum
     frame.albedo = view.albedo;
     frame.phase_g = view.phase_g;
     frame.majorant = view.density_scale * volume.max_opacity();
+    for (const glm::vec3& emission : table.emission) {
+        const float luminance = glm::dot(emission, glm::vec3(0.2126f, 0.7152f, 0.0722f));
+        frame.emission_most = std::max(frame.emission_most, luminance);
+    }
 }
 
 void set_camera(shader::VolumeFrame& frame, const Camera& camera, glm::uvec2 size) {

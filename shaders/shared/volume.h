@@ -59,6 +59,7 @@ struct VolumeFrame {
     float albedo;        ///< times the colour: the scattering albedo
     float phase_g;       ///< Henyey-Greenstein, mean cosine, (-1, 1)
     float majorant;      ///< extinction per world unit, nowhere exceeded
+    float emission_most; ///< luminance (Rec. 709) of the brightest emission
 
     // Light.
     vec3 light_direction;   ///< unit; the way that light travels

@@ -86,7 +86,7 @@ struct CacheControl {
     uint cells;         ///< that get paths
     uint unsettled;     ///< of the working set, those that the last execution gave paths to
     uint steps;         ///< executions since the last restart
-    uint clamped;       ///< collisions whose extinction exceeded the majorant: must be 0
+    uint clamped; ///< collisions above the majorant, and paths that were not finite: must be 0
     uint step_paths;    ///< of the running execution; 0 between executions
     uint step_resumed;
     uint step_events;

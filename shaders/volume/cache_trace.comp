@@ -61,7 +61,7 @@ void main() {
     start.cell = sum.cell;
 
     Tracker tracker = resume(state.path);
-    uint budget = push.iterations, done = 0u;
+    uint budget = push.iterations, done = 0u, bad = 0u;
     while (sum.owed > 0u && budget > 0u) {
         if (state.path.stage == PATH_ENDED) {
             --budget;
@@ -81,6 +81,10 @@ void main() {
             continue;
         }
         vec3 radiance = state.path.radiance;
+        if (any(isnan(radiance)) || any(isinf(radiance))) { // never stored: it would be read for ever
+            radiance = state.straight = vec3(0.0);
+            ++bad;
+        }
         float luminance = cache_luminance(radiance), straight = cache_luminance(state.straight);
         sum.radiance += radiance;
         sum.square += luminance * luminance;
@@ -97,5 +101,5 @@ void main() {
     atomicAdd(cache_control.data.step_paths, done);
     atomicAdd(cache_control.data.step_events, path_steps);
     if (sum.owed > 0u) atomicAdd(cache_control.data.step_resumed, 1u);
-    if (path_clamped > 0u) atomicAdd(cache_control.data.clamped, path_clamped);
+    if (path_clamped + bad > 0u) atomicAdd(cache_control.data.clamped, path_clamped + bad);
 }

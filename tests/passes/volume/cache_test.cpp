@@ -444,8 +444,9 @@ std::uint32_t expected_bucket(const shader::CacheSum& sum, double goal, double l
         return 1 + static_cast<std::uint32_t>(std::bit_width(more));
     }
     const double n = sum.count, mean = luminance(glm::dvec3(sum.radiance)) / n;
-    const double variance = std::max(sum.square - n * mean * mean, 0.0) / (n * (n - 1));
-    const double excess = variance / std::pow(goal * std::max(mean, 0.01 * light), 2);
+    const double spread = std::max(sum.square - n * mean * mean, 0.0) + light * light;
+    const double variance = spread / (n * (n - 1));
+    const double excess = variance / std::pow(goal * std::max(mean, 0.05 * light), 2);
     if (excess <= 1) return 1;
     const double urgency = excess * sum.contribution;
     return urgency >= 16 ? 5 : urgency >= 4 ? 4 : urgency >= 1 ? 3 : 2;
