@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -P cmake/demo.cmake : installs what is missing, builds the samples (preset release) and
-# renders the built-in atrium with every method of adaptive_aa. Pictures and tables: build/demo/
+# renders the built-in atrium with every method of adaptive_aa and built-in volumes with volume_gi.
+# Pictures and tables: build/demo/
 #   cmake -DSETUP_ONLY=1 -P cmake/demo.cmake    installs and stops
 include(${CMAKE_CURRENT_LIST_DIR}/setup.cmake)
 if(SETUP_ONLY)
   return()
 endif()
 
-set(samples hello_graph adaptive_aa aa_table compare)
+set(samples hello_graph adaptive_aa aa_table compare volume_gi)
 ockham_step(${CMAKE_COMMAND} --preset release)
 ockham_step(${CMAKE_COMMAND} --build --preset release --parallel ${cores} --target ${samples})
 
@@ -78,6 +79,20 @@ demo("Adaptive against reference; error x 10"
     --error-map atrium_error_x10.png --side-by-side atrium_side_by_side.png)
 demo("Cost and error of every method; a quarter of the pixels, for it renders each 8 times"
   WRITES aa_table.md aa_table.csv RUN aa_table --width 512 --height 384 --out aa_table)
+
+demo("A cloud: light followed through every scattering, 16 paths per pixel"
+  WRITES cloud.png cloud.json
+  RUN volume_gi --width 320 --height 240 --steps 16 --camera "0.8,-1.7,0.1 0,0,-0.05 30"
+    -o cloud.png --stats cloud.json)
+demo("Shells of 1 to 8 voxels, cut open: surfaces are met exactly, however thin"
+  WRITES shells.png
+  RUN volume_gi builtin:shells --iso 100 --density-scale 0 --crop 0,1,0.5,1,0,1 --width 320
+    --height 240 --steps 16 --camera "0.7,-1.9,0.8 0,0,0 30" -o shells.png)
+demo("The shells as fog, from three sides that share the light in a cache"
+  WRITES shells_turn0.png shells_turn1.png shells_turn2.png
+  RUN volume_gi builtin:shells --mode caching --gather off --cache-scale 4 --density-scale 20
+    --width 320 --height 240 --steps 4 --camera "0.7,-1.9,0.8 0,0,0 30" --turntable 3
+    -o shells_turn%d.png)
 
 say("\nLook in ${out}:")
 foreach(name IN LISTS written)
