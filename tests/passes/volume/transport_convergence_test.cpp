@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the cells of the cache cost: pictures through caches of several sizes against paths without
-// one.
+// one and against an independent tracer.
 #include "tests/support/path_case.hpp"
 
 #include <fmt/format.h>
@@ -12,6 +12,12 @@ namespace ockham::test {
 namespace {
 
 class TransportConvergence : public PathTest {};
+
+TEST_F(TransportConvergence, AForwardScatteringCubeHasTheValueOfAnIndependentTracer) {
+    const Estimate mean = gathered(cube(4, 0.8f, 0.6f), 32, 0.02f);
+    EXPECT_LE(std::abs(mean.mean - 0.5414), 3 * mean.error + 1e-4)
+        << mean.mean << " +- " << mean.error;
+}
 
 TEST_F(TransportConvergence, BiasFallsThreefoldWithEveryHalvingOfTheCells) {
     Case it = cube(16, 0.8f);
