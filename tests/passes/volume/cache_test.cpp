@@ -639,6 +639,9 @@ TEST_F(CacheTest, WhatCannotBeIsRefusedByName) {
     EXPECT_NE(refusal({.paths = 12}).find("12 paths"), std::string::npos);
     EXPECT_NE(refusal({.target_error = -1}).find("target error -1"), std::string::npos);
     EXPECT_NE(refusal({.working_set = 1}).find("working set of 1 "), std::string::npos);
+}
+
+TEST_F(CacheTest, WorkingSetsThatTheDeviceCannotBindAreRefusedWithNumbers) {
     const Volume large = float_volume({128, 128, 128}, [](glm::uvec3) { return 1.0; });
     const std::string text = error_of([&] {
         CacheBench(device(), large, linear_transfer(), {}, {.scale = 1, .working_set = 1u << 20});
