@@ -20,7 +20,7 @@ function(ockham_add_test stem)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60
     PROPERTIES TIMEOUT 300 LABELS "${arg_LABELS}")
-  if("gpu" IN_LIST arg_LABELS)
+  if("gpu" IN_LIST arg_LABELS AND NOT "nightly" IN_LIST arg_LABELS)
     ockham_test_again(${target})
   endif()
 endfunction()

@@ -102,7 +102,7 @@ TEST_F(TransportTest, GlossySurfacesSeeTheSkyThatTheyMeetByChance) {
     const auto sampled = trace(it).mean;
     it.options.view.seed = 2;
     it.params.nee = false;
-    it.samples = 256;
+    it.samples = 768; // few meet the sun
     const auto met = trace(it).mean;
     const Family family(3);
     for (std::size_t c = 0; c < 3; ++c) {
