@@ -5,6 +5,7 @@
 #include "framework/core/log.hpp"
 #include "framework/gpu/device.hpp"
 #include "framework/gpu/transfer.hpp"
+#include "framework/scene_gpu/imports.hpp"
 #include "framework/scene_gpu/texture_array.hpp"
 #include "shaders/shared/scene.h"
 
@@ -352,35 +353,20 @@ SceneGpu::SceneGpu(gpu::Device& device, const Scene& scene)
 }
 
 SceneHandles SceneGpu::import(Graph& graph) const {
-    const auto buffer = [&](const std::optional<gpu::Buffer>& source) {
-        return source ? graph.import_buffer(source->name(), {source->bytes()}, {}) : BufferHandle{};
-    };
-    const auto image = [&](const std::optional<gpu::Image>& source) {
-        if (!source) return ImageHandle{};
-        const gpu::ImageInfo& info = source->info();
-        return graph.import_image(source->name(),
-            {.format = info.format,
-                .width = info.width,
-                .height = info.height,
-                .layers = info.layers,
-                .mips = info.mips},
-            AccessState{.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
-    };
-    return {buffer(vertices_), buffer(indices_), buffer(instances_), buffer(materials_),
-        buffer(lights_), image(color_textures_), image(data_textures_)};
+    return {import_buffer(graph, vertices_), import_buffer(graph, indices_),
+        import_buffer(graph, instances_), import_buffer(graph, materials_),
+        import_buffer(graph, lights_), import_image(graph, color_textures_),
+        import_image(graph, data_textures_)};
 }
 
 void SceneGpu::bind(Executor& executor, const SceneHandles& handles) const {
-    const auto bind_one = [&](auto handle, const auto& source) {
-        if (source) executor.bind(handle, *source);
-    };
-    bind_one(handles.vertices, vertices_);
-    bind_one(handles.indices, indices_);
-    bind_one(handles.instances, instances_);
-    bind_one(handles.materials, materials_);
-    bind_one(handles.lights, lights_);
-    bind_one(handles.color_textures, color_textures_);
-    bind_one(handles.data_textures, data_textures_);
+    bind_import(executor, handles.vertices, vertices_);
+    bind_import(executor, handles.indices, indices_);
+    bind_import(executor, handles.instances, instances_);
+    bind_import(executor, handles.materials, materials_);
+    bind_import(executor, handles.lights, lights_);
+    bind_import(executor, handles.color_textures, color_textures_);
+    bind_import(executor, handles.data_textures, data_textures_);
 }
 
 } // namespace ockham

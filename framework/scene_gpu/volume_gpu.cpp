@@ -5,6 +5,7 @@
 #include "framework/gpu/device.hpp"
 #include "framework/gpu/transfer.hpp"
 #include "framework/scene/voxels.hpp"
+#include "framework/scene_gpu/imports.hpp"
 #include "shaders/shared/volume.h"
 
 #include <algorithm>
@@ -302,33 +303,18 @@ bool VolumeGpu::set_transfer(const TransferFunction& transfer) {
 }
 
 VolumeHandles VolumeGpu::import(Graph& graph) const {
-    const auto buffer = [&](const std::optional<gpu::Buffer>& source) {
-        return source ? graph.import_buffer(source->name(), {source->bytes()}, {}) : BufferHandle{};
-    };
-    const auto image = [&](const std::optional<gpu::Image>& source) {
-        if (!source) return ImageHandle{};
-        const gpu::ImageInfo& info = source->info();
-        return graph.import_image(source->name(),
-            {.format = info.format,
-                .width = info.width,
-                .height = info.height,
-                .depth = info.depth},
-            AccessState{.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
-    };
-    return {image(volume_), buffer(transfer_), buffer(emission_), buffer(opacity_max_),
-        image(environment_), buffer(environment_table_)};
+    return {import_image(graph, volume_), import_buffer(graph, transfer_),
+        import_buffer(graph, emission_), import_buffer(graph, opacity_max_),
+        import_image(graph, environment_), import_buffer(graph, environment_table_)};
 }
 
 void VolumeGpu::bind(Executor& executor, const VolumeHandles& handles) const {
-    const auto bind_one = [&](auto handle, const auto& source) {
-        if (source) executor.bind(handle, *source);
-    };
-    bind_one(handles.volume, volume_);
-    bind_one(handles.transfer, transfer_);
-    bind_one(handles.emission, emission_);
-    bind_one(handles.opacity_max, opacity_max_);
-    bind_one(handles.environment, environment_);
-    bind_one(handles.environment_table, environment_table_);
+    bind_import(executor, handles.volume, volume_);
+    bind_import(executor, handles.transfer, transfer_);
+    bind_import(executor, handles.emission, emission_);
+    bind_import(executor, handles.opacity_max, opacity_max_);
+    bind_import(executor, handles.environment, environment_);
+    bind_import(executor, handles.environment_table, environment_table_);
 }
 
 } // namespace ockham
