@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/scene/histogram.hpp"
+#include "tests/support/volume_row.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <vector>
 
 namespace ockham {
 namespace {
 
-template <class T>
-Volume row_of(VoxelType type, const std::vector<T>& values) {
-    Volume volume;
-    volume.dims = {values.size(), 1, 1};
-    volume.type = type;
-    volume.voxels.resize(values.size() * sizeof(T));
-    std::memcpy(volume.voxels.data(), values.data(), volume.voxels.size());
-    return volume;
-}
+using test::row_of;
 
 TEST(HistogramTest, CountsEachCode) {
     Volume volume = row_of<std::int16_t>(VoxelType::int16, {-3, 1, 1, -3, 0, 1});

@@ -6,12 +6,12 @@
 #include "framework/scene/histogram.hpp"
 #include "framework/scene/transfer_function.hpp"
 #include "tests/support/file_test.hpp"
+#include "tests/support/volume_row.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,15 +19,7 @@
 namespace ockham {
 namespace {
 
-template <class T>
-Volume row_of(VoxelType type, const std::vector<T>& values) {
-    Volume volume;
-    volume.dims = {values.size(), 1, 1};
-    volume.type = type;
-    volume.voxels.resize(values.size() * sizeof(T));
-    std::memcpy(volume.voxels.data(), values.data(), volume.voxels.size());
-    return volume;
-}
+using test::row_of;
 
 Volume hounsfield() { return row_of<std::int16_t>(VoxelType::int16, {-1000, 40, 3000}); }
 
