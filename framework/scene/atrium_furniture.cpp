@@ -122,30 +122,6 @@ Mesh banner_mesh(const Materials& m, std::string name, int cloth_material) {
 
 namespace {
 
-/// A leaf card: a square of twig texture, bent downwards, from `base` along `along`, its face
-/// towards `face`.
-void add_sprig(Shape& shape, glm::dvec3 base, glm::dvec3 along, glm::dvec3 face, double size) {
-    along = glm::normalize(along);
-    const glm::dvec3 right = glm::normalize(glm::cross(along, face));
-    const glm::dvec3 normal = glm::cross(right, along);
-    add_grid(shape, 1, 3, [&](int i, int j) {
-        const double t = 1.0 - j / 3.0; // from base to tip
-        const double bend = 0.22 * t * t;
-        return ShapeVertex{base + size * (right * (i - 0.5) + along * t - normal * bend),
-            normal + along * (0.44 * t), right, {double(i), 1.0 - t}};
-    });
-}
-
-glm::dvec3 random_direction(Pcg32& rng) {
-    for (;;) {
-        const double x = rng.uniform(-1.0f, 1.0f);
-        const double y = rng.uniform(-1.0f, 1.0f);
-        const double z = rng.uniform(-1.0f, 1.0f);
-        const double square = x * x + y * y + z * z;
-        if (square > 0.05 && square < 1.0) return glm::dvec3(x, y, z) / std::sqrt(square);
-    }
-}
-
 /// Leaves in a ball: twigs that point outward and a little up.
 void add_crown(Shape& shape, glm::dvec3 center, double radius, int count, Pcg32& rng) {
     for (int i = 0; i < count; ++i) {

@@ -77,6 +77,28 @@ void add_camera(
     scene.cameras.push_back(std::move(camera));
 }
 
+void add_sprig(Shape& shape, glm::dvec3 base, glm::dvec3 along, glm::dvec3 face, double size) {
+    along = glm::normalize(along);
+    const glm::dvec3 right = glm::normalize(glm::cross(along, face));
+    const glm::dvec3 normal = glm::cross(right, along);
+    add_grid(shape, 1, 3, [&](int i, int j) {
+        const double t = 1.0 - j / 3.0; // from base to tip
+        const double bend = 0.22 * t * t;
+        return ShapeVertex{base + size * (right * (i - 0.5) + along * t - normal * bend),
+            normal + along * (0.44 * t), right, {double(i), 1.0 - t}};
+    });
+}
+
+glm::dvec3 random_direction(Pcg32& rng) {
+    for (;;) {
+        const double x = rng.uniform(-1.0f, 1.0f);
+        const double y = rng.uniform(-1.0f, 1.0f);
+        const double z = rng.uniform(-1.0f, 1.0f);
+        const double square = x * x + y * y + z * z;
+        if (square > 0.05 && square < 1.0) return glm::dvec3(x, y, z) / std::sqrt(square);
+    }
+}
+
 namespace {
 
 /// Black and white cells of 1 m to the horizon, unlit, so that radiance is exactly 0 or 1. The
@@ -223,11 +245,15 @@ struct Builder {
     Scene (*build)();
 };
 
-constexpr std::array<Builder, 5> kBuilders{{
+constexpr std::array<Builder, 7> kBuilders{{
     {{"atrium", "arcaded courtyard: stone, cloth, chains, foliage, a sun and 24 lanterns"},
         builtin_atrium},
     {{"fence", "picket and chain-link fences that run to the horizon"}, fence},
     {{"wires", "wires of 0.5 to 20 mm in all directions before sky and wall"}, wires},
+    {{"sparkle", "bumpy metal, lacquer and wet stone under small lamps: highlights below a pixel"},
+        builtin_sparkle},
+    {{"foliage", "trees, shrubs and grass cut out by alpha, before sky and ground"},
+        builtin_foliage},
     {{"plane", "black and white cells to the horizon, unlit"}, plane},
     {{"sky", "no geometry, background only"}, sky},
 }};

@@ -395,4 +395,126 @@ SurfaceImages sprig_images() {
     return images;
 }
 
+SurfaceImages blades_images() {
+    constexpr int kBlades = 256;
+    constexpr int kCount = 14;
+    const Field mottle = noise(16, 16, 111, kBlades);
+    SurfaceImages images;
+    images.color = image_of("blades_color", kBlades, [&](int x, int y) {
+        const double u = (x + 0.5) / kBlades;
+        const double up = 1.0 - (y + 0.5) / kBlades; // from the foot
+        const glm::dvec3 green =
+            glm::mix(glm::dvec3(0.30, 0.40, 0.16), glm::dvec3(0.55, 0.66, 0.28), up);
+        double alpha = 0.0, light = 1.0;
+        for (int i = 0; i < kCount; ++i) {
+            const double height = 0.55 + 0.42 * hash01(i, 0, 112);
+            if (up >= height) continue;
+            const double s = up / height;
+            const double lean = 0.36 * (hash01(i, 1, 112) - 0.5);
+            const double middle = 0.18 + 0.64 * (i + 0.5) / kCount + lean * s * s;
+            const double half = 0.021 * (1.0 - s * s);
+            const double inside = (half - std::abs(u - middle)) * kBlades; // pixels
+            const double cover = std::clamp(inside + 0.5, 0.0, 1.0);
+            if (cover <= alpha) continue;
+            alpha = cover;
+            light = 0.75 + 0.4 * hash01(i, 2, 112) + 0.08 * mottle.at(x, y);
+        }
+        return glm::dvec4(green * light, alpha);
+    });
+    return images;
+}
+
+SurfaceImages meadow_images() {
+    constexpr double kMetres = 4.0;
+    const Field patch = noise(5, 5, 121);
+    const Field grain = noise(64, 64, 122);
+    Field height;
+    SurfaceImages images;
+    images.color = image_of("meadow_color", kSize, [&](int x, int y) {
+        const double soil = smooth(0.10, 0.42, patch.at(x, y) + 0.25 * grain.at(x, y));
+        height.at(x, y) = 0.03 * grain.at(x, y) * (1.0 - 0.6 * soil) + 0.05 * patch.at(x, y);
+        const glm::dvec3 color =
+            glm::mix(glm::dvec3(0.46, 0.54, 0.27), glm::dvec3(0.55, 0.46, 0.36), soil);
+        return tone(color, 0.92 + 0.25 * grain.at(x, y));
+    });
+    images.normal = normal_map("meadow_normal", height, kMetres);
+    return images;
+}
+
+namespace {
+
+/// The nearest of one point per cell of `cells` x `cells`, each somewhere in its cell.
+struct NearestPoint {
+    double distance; ///< cells
+    int id_x, id_y;
+};
+
+NearestPoint nearest_point(double u, double v, int cells, std::uint32_t seed) {
+    const int column = static_cast<int>(std::floor(u * cells));
+    const int row = static_cast<int>(std::floor(v * cells));
+    NearestPoint nearest{1e9, 0, 0};
+    for (int j = row - 1; j <= row + 1; ++j)
+        for (int i = column - 1; i <= column + 1; ++i) {
+            const int id_x = (i + cells) % cells, id_y = (j + cells) % cells;
+            const double du = i + hash01(id_x, id_y, seed) - u * cells;
+            const double dv = j + hash01(id_x, id_y, seed + 1) - v * cells;
+            const double distance = std::sqrt(du * du + dv * dv);
+            if (distance < nearest.distance) nearest = {distance, id_x, id_y};
+        }
+    return nearest;
+}
+
+} // namespace
+
+SurfaceImages hammered_images() {
+    constexpr double kMetres = 0.5;
+    constexpr int kDents = 24; // 2 cm
+    const Field grain = noise(32, 32, 131);
+    Field height;
+    for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x) {
+            const double d =
+                nearest_point((x + 0.5) / kSize, (y + 0.5) / kSize, kDents, 132).distance;
+            height.at(x, y) = 0.004 * d * d + 0.0003 * grain.at(x, y);
+        }
+    SurfaceImages images;
+    images.normal = normal_map("hammered_normal", height, kMetres);
+    return images;
+}
+
+SurfaceImages ripple_images() {
+    constexpr double kMetres = 2.0;
+    const Field puddle = noise(6, 6, 141);
+    const Field grain = noise(64, 64, 142);
+    Field height;
+    SurfaceImages images;
+    images.color = image_of("ripple_color", kSize, [&](int x, int y) {
+        const double dry = smooth(-0.2, 0.4, puddle.at(x, y));
+        height.at(x, y) = 0.004 * puddle.at(x, y) + (0.0012 + 0.0035 * dry) * grain.at(x, y);
+        return tone(glm::dvec3(0.42, 0.40, 0.38), 0.7 + 0.35 * dry + 0.15 * grain.at(x, y));
+    });
+    images.normal = normal_map("ripple_normal", height, kMetres);
+    return images;
+}
+
+SurfaceImages flake_images() {
+    constexpr int kFlakes = 160; // 3 mm, about three texels
+    constexpr double kSlope = 0.9;
+    SurfaceImages images;
+    images.normal = image_of("flake_normal", kSize, [&](int x, int y) {
+        const NearestPoint flake =
+            nearest_point((x + 0.5) / kSize, (y + 0.5) / kSize, kFlakes, 151);
+        // Products of two numbers: most flakes lean little, few a lot.
+        const auto slope = [&](std::uint32_t seed) {
+            return kSlope * (2.0 * hash01(flake.id_x, flake.id_y, seed) - 1.0) *
+                   hash01(flake.id_x, flake.id_y, seed + 1);
+        };
+        const glm::dvec2 lean(slope(153), slope(155));
+        const double length = std::sqrt(glm::dot(lean, lean) + 1.0);
+        return glm::dvec4(
+            -lean.x / length * 0.5 + 0.5, lean.y / length * 0.5 + 0.5, 0.5 / length + 0.5, 1.0);
+    });
+    return images;
+}
+
 } // namespace ockham

@@ -27,7 +27,13 @@ SurfaceImages paving_images();    ///< stone slabs with dark insets, 2 m; with r
 SurfaceImages quarry_images();    ///< square clay tiles, 1 m
 SurfaceImages roof_images();      ///< rows of half-round roof tiles, 1 m, ridge up
 SurfaceImages wood_images();      ///< planks, 1 m, grain along v
-SurfaceImages cloth_images(); ///< woven stripes and lozenges in grey, to be tinted; no tiling in v
-SurfaceImages sprig_images(); ///< a twig with leaves, alpha cuts it out
+SurfaceImages cloth_images();  ///< woven stripes and lozenges in grey, to be tinted; no tiling in v
+SurfaceImages sprig_images();  ///< a twig with leaves, alpha cuts it out
+SurfaceImages blades_images(); ///< a tuft of grass, alpha cuts it out; its foot at v = 1
+SurfaceImages meadow_images(); ///< short grass and soil, 4 m
+// Grey or white, to be tinted; what matters is the relief.
+SurfaceImages hammered_images(); ///< dents of a hammer, 0.5 m
+SurfaceImages ripple_images();   ///< wet stone: waves down to the texel, 2 m
+SurfaceImages flake_images();    ///< small facets that each lean their own way, 0.5 m
 
 } // namespace ockham

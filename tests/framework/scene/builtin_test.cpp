@@ -111,6 +111,8 @@ TEST_P(EveryBuiltinScene, HasItsPinnedBits) {
         {"atrium", 0x739b28810b040db8ull},
         {"fence", 0xc1b9496c40c11976ull},
         {"wires", 0x70b983de8eb95c82ull},
+        {"sparkle", 0xb4ec63a65483c2f3ull},
+        {"foliage", 0x8cbc5afd06cb5a35ull},
         {"plane", 0x8cd57eb0469cb578ull},
         {"sky", 0xa37ebd6a1334ce37ull},
     };
@@ -283,18 +285,22 @@ TEST(BuiltinScene, RefusesAnUnknownNameAndListsTheOthers) {
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::input);
         EXPECT_STREQ(error.what(), "builtin scene: found no scene named 'attic'; choose one of "
-                                   "atrium, fence, wires, plane, sky");
+                                   "atrium, fence, wires, sparkle, foliage, plane, sky");
     }
+}
+
+std::size_t stored_triangles(const Scene& scene) {
+    std::size_t count = 0;
+    for (const Mesh& mesh : scene.meshes)
+        for (const Primitive& primitive : mesh.primitives) count += primitive.triangles();
+    return count;
 }
 
 TEST(BuiltinScene, AtriumHasItsSize) {
     const Scene scene = builtin_scene("atrium");
     EXPECT_GE(scene.triangles(), 270'000u);
     EXPECT_LE(scene.triangles(), 290'000u);
-    std::size_t unique = 0;
-    for (const Mesh& mesh : scene.meshes)
-        for (const Primitive& primitive : mesh.primitives) unique += primitive.triangles();
-    EXPECT_LT(unique, 100'000u);
+    EXPECT_LT(stored_triangles(scene), 100'000u);
     ASSERT_EQ(scene.cameras.size(), 3u);
     ASSERT_EQ(scene.lights.size(), 25u);
     EXPECT_EQ(scene.lights[0].type, LightType::directional);
@@ -306,6 +312,55 @@ TEST(BuiltinScene, AtriumHasItsSize) {
         EXPECT_EQ(scene.lights[i].window_power, 2.0f);
         EXPECT_EQ(scene.lights[i].softening, 0.1f);
     }
+}
+
+// Highlights below a pixel: a bumpy surface, low roughness, light from a point; flat and curved.
+TEST(BuiltinScene, SparkleIsBumpyAndSmoothUnderPointLights) {
+    const Scene scene = builtin_scene("sparkle");
+    std::size_t points = 0;
+    for (const Light& light : scene.lights) points += light.type == LightType::point;
+    EXPECT_EQ(points, 12u);
+    int bumpy = 0, metal = 0;
+    for (const Material& material : scene.materials) {
+        if (!material.normal_texture.used()) continue;
+        ++bumpy;
+        metal += material.metallic == 1.0f;
+        EXPECT_LE(material.roughness, 0.16f) << material.name;
+        EXPECT_FALSE(material.metallic_roughness_texture.used()) << material.name;
+    }
+    EXPECT_EQ(bumpy, 5);
+    EXPECT_EQ(metal, 2);
+    std::size_t flat = 0, curved = 0;
+    for (const Mesh& mesh : scene.meshes) {
+        const Primitive& p = mesh.primitives[0];
+        if (!scene.materials[p.material].normal_texture.used()) continue;
+        (p.triangles() <= 12 ? flat : curved) += 1;
+    }
+    EXPECT_EQ(flat, 2u) << "floor and wall";
+    EXPECT_EQ(curved, 3u) << "two balls and a vase";
+    EXPECT_LE(scene.triangles(), 100'000u);
+}
+
+TEST(BuiltinScene, FoliageIsCutOutByAlphaAndHasThinBranches) {
+    const Scene scene = builtin_scene("foliage");
+    EXPECT_LE(stored_triangles(scene), 40'000u);
+    EXPECT_LE(scene.triangles(), 120'000u);
+    std::size_t cards = 0;
+    for (const Instance& instance : scene.instances)
+        for (const Primitive& p : scene.meshes[instance.mesh].primitives) {
+            const Material& material = scene.materials[p.material];
+            if (!material.masked) continue;
+            cards += p.triangles();
+            EXPECT_TRUE(material.double_sided) << material.name;
+            const TextureImage& image = scene.images[material.base_color_texture.image];
+            std::size_t holes = 0;
+            for (std::size_t i = 3; i < image.rgba.size(); i += 4) holes += image.rgba[i] < 128;
+            const double share = 4.0 * double(holes) / double(image.rgba.size());
+            EXPECT_GT(share, 0.3) << image.name;
+            EXPECT_LT(share, 0.9) << image.name;
+        }
+    EXPECT_GT(cards, 40'000u);
+    EXPECT_EQ(scene.background, glm::vec3(0.35f, 0.55f, 0.9f));
 }
 
 TEST(BuiltinScene, AtriumHasEveryKindOfMaterial) {
