@@ -166,12 +166,16 @@ void Device::create(VkPhysicalDevice physical) {
 
     Features wanted;
     choose_features(physical, wanted);
-    create_device(wanted, pushes);
+    stencil_export_ = has_stencil_export(physical);
+    std::vector<const char*> extensions;
+    if (pushes) extensions.push_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
+    if (stencil_export_) extensions.push_back(VK_EXT_SHADER_STENCIL_EXPORT_EXTENSION_NAME);
+    create_device(wanted, extensions);
     open(pushes);
     if (!wanted.v10.features.samplerAnisotropy) limits_.anisotropy = 1;
 }
 
-void Device::create_device(const Features& features, bool pushes) {
+void Device::create_device(const Features& features, const std::vector<const char*>& extensions) {
     // Two of the main family, of which the second may compute beside the first, and one of each
     // other family that can compute or copy.
     constexpr float kPriorities[] = {1, 1};
@@ -186,13 +190,12 @@ void Device::create_device(const Features& features, bool pushes) {
             .queueCount = family.queues,
             .pQueuePriorities = kPriorities});
     }
-    const char* extension = VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME;
     const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
         .pNext = &features.v10,
         .queueCreateInfoCount = static_cast<std::uint32_t>(queues.size()),
         .pQueueCreateInfos = queues.data(),
-        .enabledExtensionCount = pushes ? 1u : 0u,
-        .ppEnabledExtensionNames = &extension};
+        .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+        .ppEnabledExtensionNames = extensions.data()};
     expect(vkCreateDevice(physical_, &info, nullptr, &device_),
         fmt::format("creating a device on '{}'", info_.name));
     for (const VkDeviceQueueCreateInfo& family : queues) {
@@ -232,9 +235,12 @@ void Device::adopt(const ExternalDevice& external) {
     if (external.queue_mutex) queue_mutex_ = external.queue_mutex;
     device_ = external.device;
     if (external.debug_utils) load_debug_functions();
-    const bool pushes = !forces_descriptor_sets(options_) &&
-                        std::ranges::find(external.extensions,
-                            VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME) != external.extensions.end();
+    const auto enables = [&](const char* extension) {
+        return std::ranges::find(external.extensions, extension) != external.extensions.end();
+    };
+    stencil_export_ = enables(VK_EXT_SHADER_STENCIL_EXPORT_EXTENSION_NAME);
+    const bool pushes =
+        !forces_descriptor_sets(options_) && enables(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     open(pushes);
     if (!enabled.v10.features.samplerAnisotropy) limits_.anisotropy = 1;
 }

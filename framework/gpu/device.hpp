@@ -108,6 +108,8 @@ public:
     Validation validation() const { return options_.validation; }
     /// Push descriptors exist and are not switched off.
     bool pushes_descriptors() const { return push_descriptor_set_ != nullptr; }
+    /// Fragment shaders may write the stencil: VK_EXT_shader_stencil_export.
+    bool exports_stencil() const { return stencil_export_; }
     ValidationLog& validation_log() { return *validation_log_; }
     /// What validation found so far.
     std::vector<std::string> validation_messages() const { return validation_log_->messages(); }
@@ -137,7 +139,7 @@ public:
 
 private:
     void create(VkPhysicalDevice physical);
-    void create_device(const Features& features, bool pushes);
+    void create_device(const Features& features, const std::vector<const char*>& extensions);
     void adopt(const ExternalDevice& external);
     void load_debug_functions();
     void open(bool pushes);
@@ -149,6 +151,7 @@ private:
     std::unique_ptr<ValidationLog> validation_log_;
     DebugFunctions debug_;
     PFN_vkCmdPushDescriptorSetKHR push_descriptor_set_ = nullptr;
+    bool stencil_export_ = false;
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;

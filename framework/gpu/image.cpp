@@ -40,9 +40,11 @@ constexpr FormatInfo kFormats[] = {
     {VK_FORMAT_R32G32_SFLOAT, "RG32_SFLOAT", 2, ChannelType::float32, 8},
     {VK_FORMAT_R32G32B32A32_SFLOAT, "RGBA32_SFLOAT", 4, ChannelType::float32, 16},
     {VK_FORMAT_D32_SFLOAT, "D32_SFLOAT", 1, ChannelType::float32, 4},
+    {VK_FORMAT_S8_UINT, "S8_UINT", 1, ChannelType::uint8, 1},
 };
 
 bool is_depth(VkFormat format) { return format == VK_FORMAT_D32_SFLOAT; }
+bool is_stencil(VkFormat format) { return format == VK_FORMAT_S8_UINT; }
 
 VkImageCreateInfo create_info(const Device& device, const ImageInfo& info) {
     const VkImageCreateInfo create{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
@@ -152,6 +154,7 @@ Image& Image::operator=(Image&& other) noexcept {
 }
 
 VkImageAspectFlags Image::aspect() const {
+    if (is_stencil(info_.format)) return VK_IMAGE_ASPECT_STENCIL_BIT;
     return is_depth(info_.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
@@ -210,6 +213,10 @@ VkClearValue clear_value(VkFormat format, const std::array<float, 4>& value) {
         result.depthStencil.depth = value[0];
         return result;
     }
+    if (is_stencil(format)) {
+        result.depthStencil.stencil = static_cast<std::uint32_t>(value[0]);
+        return result;
+    }
     const FormatInfo* info = find_format(format);
     const bool integer =
         info && (info->type == ChannelType::uint8 || info->type == ChannelType::uint16 ||
@@ -229,7 +236,7 @@ void clear(VkCommandBuffer commands, const Image& image, const std::array<float,
     const VkImageSubresourceRange range = image.subresources(part);
     const VkClearValue converted = clear_value(image.info().format, value);
     constexpr VkImageLayout layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-    if (image.aspect() & VK_IMAGE_ASPECT_DEPTH_BIT) {
+    if (image.aspect() != VK_IMAGE_ASPECT_COLOR_BIT) {
         vkCmdClearDepthStencilImage(
             commands, image.handle(), layout, &converted.depthStencil, 1, &range);
     } else {

@@ -266,8 +266,8 @@ VkRenderPass Pipelines::render_pass_locked(const std::vector<Attachment>& attach
             .samples = VK_SAMPLE_COUNT_1_BIT,
             .loadOp = attachment.load,
             .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
-            .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
-            .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+            .stencilLoadOp = attachment.load,
+            .stencilStoreOp = VK_ATTACHMENT_STORE_OP_STORE,
             .initialLayout = layout,
             .finalLayout = layout});
     }
@@ -322,11 +322,20 @@ Pipeline Pipelines::make_raster(const RasterKey& key) {
     const VkPipelineMultisampleStateCreateInfo one_sample{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
         .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+    const VkStencilOpState stencil{.failOp = VK_STENCIL_OP_KEEP,
+        .passOp = state.stencil_write ? VK_STENCIL_OP_REPLACE : VK_STENCIL_OP_KEEP,
+        .depthFailOp = VK_STENCIL_OP_KEEP,
+        .compareOp = state.stencil_equal ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_ALWAYS,
+        .compareMask = 0xff,
+        .writeMask = 0xff};
     const VkPipelineDepthStencilStateCreateInfo depth{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = state.depth_test,
         .depthWriteEnable = state.depth_write,
-        .depthCompareOp = VK_COMPARE_OP_GREATER};
+        .depthCompareOp = state.depth_equal ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_GREATER,
+        .stencilTestEnable = state.stencil_write || state.stencil_equal,
+        .front = stencil,
+        .back = stencil};
     const auto color_count = std::ranges::count(attachments, false, &Attachment::depth);
     const std::vector<VkPipelineColorBlendAttachmentState> opaque(
         static_cast<std::size_t>(color_count), {.colorWriteMask = 0xf});
@@ -335,7 +344,8 @@ Pipeline Pipelines::make_raster(const RasterKey& key) {
         .attachmentCount = static_cast<std::uint32_t>(opaque.size()),
         .pAttachments = opaque.data()};
     constexpr VkDynamicState kDynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
-        VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE};
+        VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE,
+        VK_DYNAMIC_STATE_STENCIL_REFERENCE};
     const VkPipelineDynamicStateCreateInfo dynamic{
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
         .dynamicStateCount = std::size(kDynamic),

@@ -36,18 +36,22 @@ struct Pipeline {
 struct Attachment {
     VkFormat format = VK_FORMAT_UNDEFINED;
     VkAttachmentLoadOp load = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    bool depth = false; ///< at most one, the last
+    bool depth = false; ///< or stencil; at most one, the last
 
     auto operator<=>(const Attachment&) const = default;
 };
 
-/// Triangles without vertex layout; viewport, scissor, cull mode and front face are dynamic.
+/// Triangles without vertex layout; viewport, scissor, cull mode, front face and stencil reference
+/// are dynamic.
 struct RasterState {
     std::string vertex_shader;
     std::string fragment_shader = {}; ///< empty: depth only
     Specialization specialization = {};
     bool depth_test = true; ///< passes where greater: reversed depth
     bool depth_write = true;
+    bool depth_equal = false;   ///< passes where equal, not where greater
+    bool stencil_write = false; ///< of what the fragment shader exports
+    bool stencil_equal = false; ///< passes where equal to the dynamic reference
 
     auto operator<=>(const RasterState&) const = default;
 };

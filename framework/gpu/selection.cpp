@@ -316,6 +316,10 @@ bool has_push_descriptors(VkPhysicalDevice physical) {
     return has_extension(extensions_of(physical), VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
 }
 
+bool has_stencil_export(VkPhysicalDevice physical) {
+    return has_extension(extensions_of(physical), VK_EXT_SHADER_STENCIL_EXPORT_EXTENSION_NAME);
+}
+
 std::vector<Candidate> rate_all(VkInstance instance) {
     std::vector<Candidate> candidates;
     for (const VkPhysicalDevice physical : enumerate<VkPhysicalDevice>(

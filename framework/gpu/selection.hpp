@@ -74,5 +74,6 @@ std::vector<FamilyInfo> list_families(VkPhysicalDevice physical);
 /// The first family with graphics and compute, whose timestamps count.
 std::optional<std::uint32_t> find_queue_family(const std::vector<FamilyInfo>& families);
 bool has_push_descriptors(VkPhysicalDevice physical);
+bool has_stencil_export(VkPhysicalDevice physical);
 
 } // namespace ockham::gpu

@@ -41,6 +41,7 @@ constexpr auto kRows = [] {
     rows[VK_FORMAT_B10G11R11_UFLOAT_PACK32] = {"B10G11R11_UFLOAT", 4};
     rows[VK_FORMAT_E5B9G9R9_UFLOAT_PACK32] = {"E5B9G9R9_UFLOAT", 4};
     rows[VK_FORMAT_D32_SFLOAT] = {"D32_SFLOAT", 4};
+    rows[VK_FORMAT_S8_UINT] = {"S8_UINT", 1};
     return rows;
 }();
 

@@ -182,6 +182,10 @@ ImageHandle PassBuilder::depth(ImagePart image, float clear_value) {
         {clear_value, 0, 0, 0});
 }
 
+ImageHandle PassBuilder::stencil(ImagePart image, std::uint8_t clear_value) {
+    return depth(image, clear_value);
+}
+
 PassBuilder& PassBuilder::prefer(QueueWish queue) {
     graph_->declaration_.passes[pass_].queue = queue;
     mix(graph_->fingerprint_, Said::queue, pass_, static_cast<std::uint64_t>(queue));

@@ -109,6 +109,8 @@ public:
         ImagePart image, LoadOp load, const std::array<float, 4>& clear);
     [[nodiscard]] ImageHandle color(ImagePart image, LoadOp load = LoadOp::discard);
     [[nodiscard]] ImageHandle depth(ImagePart image, float clear_value);
+    /// In place of depth: S8_UINT.
+    [[nodiscard]] ImageHandle stencil(ImagePart image, std::uint8_t clear_value);
 
     /// Wishes to run beside the main queue.
     PassBuilder& prefer(QueueWish queue);

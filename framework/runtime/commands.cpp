@@ -227,7 +227,10 @@ void CommandsImpl::bind(const RasterCall& call) {
         .fragment_shader = std::string(call.fragment_shader),
         .specialization = call.specialization,
         .depth_test = call.depth_test,
-        .depth_write = call.depth_write};
+        .depth_write = call.depth_write,
+        .depth_equal = call.depth_equal,
+        .stencil_write = call.stencil_write,
+        .stencil_equal = call.stencil_equal};
     try {
         raster_ = &recording_.device.pipelines().raster(state, target_->attachments);
     } catch (const Error& error) {
@@ -245,6 +248,11 @@ void CommandsImpl::set_cull(Commands::Cull mode, bool front_is_clockwise) {
     vkCmdSetCullMode(commands_, VkCullModeFlags(back ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE));
     vkCmdSetFrontFace(
         commands_, front_is_clockwise ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE);
+}
+
+void CommandsImpl::set_stencil(std::uint8_t reference) {
+    expect_kind(PassKind::raster, "set_stencil()");
+    vkCmdSetStencilReference(commands_, VK_STENCIL_FACE_FRONT_AND_BACK, reference);
 }
 
 void CommandsImpl::push(std::span<const std::byte> values) {
@@ -296,7 +304,7 @@ void CommandsImpl::fill(const BufferPart& buffer, std::uint32_t value) {
 
 void CommandsImpl::clear(const ImagePart& image, const std::array<float, 4>& value) {
     const Target to = used(image, Access::transfer_write, "clear()");
-    const bool depth = to.resource.image->aspect() & VK_IMAGE_ASPECT_DEPTH_BIT;
+    const bool depth = to.resource.image->aspect() != VK_IMAGE_ASPECT_COLOR_BIT;
     const QueueFamily& family = recording_.family;
     if (!family.graphics && (depth || !family.compute)) {
         fail("wrong-queue",
@@ -372,6 +380,7 @@ void Commands::bind(const RasterCall& call) { impl_->bind(call); }
 void Commands::set_cull(Cull mode, bool front_is_clockwise) {
     impl_->set_cull(mode, front_is_clockwise);
 }
+void Commands::set_stencil(std::uint8_t reference) { impl_->set_stencil(reference); }
 void Commands::push(std::span<const std::byte> values) { impl_->push(values); }
 void Commands::bind_indices(const BufferPart& indices) { impl_->bind_indices(indices); }
 void Commands::draw(std::uint32_t vertices, std::uint32_t instances, std::uint32_t first_vertex,

@@ -35,6 +35,9 @@ struct RasterCall {
     Specialization specialization = {};    ///< applied to both stages
     bool depth_test = true;
     bool depth_write = true;
+    bool depth_equal = false;   ///< passes where equal, not where greater
+    bool stencil_write = false; ///< the stencil becomes what the fragment shader exports
+    bool stencil_equal = false; ///< passes where the stencil equals set_stencil()
 };
 
 /// Any trivially copyable value as push constants.
@@ -65,6 +68,7 @@ public:
     void bind(const RasterCall& call);
     enum class Cull { none, back };
     void set_cull(Cull mode, bool front_is_clockwise = false);
+    void set_stencil(std::uint8_t reference); ///< 0 until then
     void push(std::span<const std::byte> values); ///< for the bound raster pipeline
     void bind_indices(const BufferPart& indices); ///< 32-bit
     void draw(std::uint32_t vertices, std::uint32_t instances = 1, std::uint32_t first_vertex = 0,

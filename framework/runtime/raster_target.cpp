@@ -124,6 +124,7 @@ void begin_raster(
     vkCmdSetScissor(commands, 0, 1, &scissor);
     vkCmdSetCullMode(commands, VK_CULL_MODE_NONE);
     vkCmdSetFrontFace(commands, VK_FRONT_FACE_COUNTER_CLOCKWISE);
+    vkCmdSetStencilReference(commands, VK_STENCIL_FACE_FRONT_AND_BACK, 0);
 }
 
 } // namespace ockham

@@ -13,7 +13,9 @@ namespace {
 /// limits of minStorageBufferOffsetAlignment and minUniformBufferOffsetAlignment.
 constexpr std::uint64_t kBindingAlignment = 256;
 
-bool is_depth(VkFormat format) { return format == VK_FORMAT_D32_SFLOAT; }
+bool is_depth(VkFormat format) {
+    return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_S8_UINT;
+}
 bool is_sampled_only(VkFormat format) { return format == VK_FORMAT_E5B9G9R9_UFLOAT_PACK32; }
 bool is_srgb(VkFormat format) {
     return format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB;
@@ -191,7 +193,8 @@ private:
             fail("bad-format", "{} uses {} as {}, which its format {} does not allow; choose {}",
                 describe(pass), describe(resource_of(use)), name_of(use.access),
                 format_text(format),
-                use.access == Access::depth_attachment ? "D32_SFLOAT" : "a linear colour format");
+                use.access == Access::depth_attachment ? "D32_SFLOAT, or S8_UINT for stencil"
+                                                       : "a linear colour format");
     }
 
     /// A pass may use the same part of a resource several times only to read it, an image in one

@@ -166,7 +166,8 @@ TEST(Misuse, BadFormat) {
     EXPECT_EQ(text(VK_FORMAT_D32_SFLOAT, draw).substr(0, 12), "[bad-format]");
     EXPECT_EQ(text(VK_FORMAT_R32_SFLOAT, test_depth),
         "[bad-format] graph 'g': pass 'p' (#) uses transient image 'a' (#) as depth_attachment, "
-        "which its format R32_SFLOAT does not allow; choose D32_SFLOAT");
+        "which its format R32_SFLOAT does not allow; choose D32_SFLOAT, or S8_UINT "
+        "for stencil");
     EXPECT_EQ(text(VK_FORMAT_R8G8B8A8_SRGB, draw), "");
     EXPECT_EQ(text(VK_FORMAT_D32_SFLOAT, test_depth), "");
 }

@@ -290,6 +290,71 @@ TEST_F(ExecutorTest, CullingAndEmptyPictures) {
     EXPECT_EQ(covered[1], 25u);
 }
 
+/// Draws the number c + 1 over all of the picture for each column c in `drawn`, but only where the
+/// depth, or the stencil, that an earlier draw of the pass gave each column is that column's.
+/// Returns the ids of one row.
+std::vector<float> drawn_where_equal(
+    gpu::Device& device, bool by_stencil, const std::vector<std::uint32_t>& drawn) {
+    std::vector<Corner> corners;
+    for (std::uint32_t c = 0; c < 8; ++c) {
+        const float depth = static_cast<float>(c + 1) / 16.0f;
+        corners.insert(corners.end(), {{-1, -1, depth, 1}, {3, -1, depth, 1}, {-1, 3, depth, 1}});
+    }
+    const gpu::Buffer vertices = upload_vertices(device, corners);
+    Graph graph("equal");
+    const AccessState uploaded{
+        VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
+    const BufferHandle imported = graph.import_buffer("vertices", {vertices.bytes()}, uploaded);
+    const auto create = [&](const char* name, VkFormat format) {
+        return graph.create_image(name, {.format = format, .width = 8, .height = 5});
+    };
+    PassBuilder draw = graph.add_raster_pass("draw");
+    draw.read("vertices", imported, Stage::vertex);
+    const ImageHandle ids = draw.color(create("ids", VK_FORMAT_R32_UINT));
+    (void)draw.color(create("coverage", VK_FORMAT_R8_UNORM));
+    if (by_stencil) {
+        (void)draw.stencil(create("stencil", VK_FORMAT_S8_UINT), 0);
+    } else {
+        (void)draw.depth(create("depth", VK_FORMAT_D32_SFLOAT), 0.0f);
+    }
+    draw.record([=](Commands& commands) {
+        commands.bind({.vertex_shader = "test/full.vert",
+            .fragment_shader = by_stencil ? "test/columns.frag:stencil" : "test/columns.frag",
+            .depth_test = !by_stencil,
+            .depth_write = !by_stencil,
+            .stencil_write = by_stencil});
+        commands.draw(3);
+        commands.bind({.vertex_shader = "test/triangle.vert",
+            .fragment_shader = "test/triangle.frag",
+            .depth_test = !by_stencil,
+            .depth_write = false,
+            .depth_equal = true,
+            .stencil_equal = by_stencil});
+        for (const std::uint32_t c : drawn) {
+            const std::uint32_t id = c + 1;
+            commands.set_stencil(static_cast<std::uint8_t>(id));
+            commands.push(as_push(id));
+            commands.draw(3, 1, 3 * c);
+        }
+    });
+    graph.export_resource(ids, "checked");
+    Executor executor(device, std::move(graph));
+    executor.bind(imported, vertices);
+    executor.execute();
+    const Image image = executor.read(ids);
+    const std::span<const float> all = image.plane(0);
+    for (std::size_t i = 8; i < all.size(); ++i) EXPECT_EQ(all[i], all[i % 8]);
+    return {all.begin(), all.begin() + 8};
+}
+
+TEST_F(ExecutorTest, EqualTestsPickWhatAnEarlierDrawWrote) {
+    const std::vector<float> expected{1, 0, 0, 4, 0, 6, 0, 8};
+    EXPECT_EQ(drawn_where_equal(device(), false, {0, 3, 5, 7}), expected);
+    if (device().exports_stencil()) {
+        EXPECT_EQ(drawn_where_equal(device(), true, {0, 3, 5, 7}), expected);
+    }
+}
+
 TEST_F(ExecutorTest, DepthOnlyPass) {
     const std::vector<Corner> corners{{-1, -1, 0.125f, 1}, {3, -1, 0.125f, 1}, {-1, 3, 0.125f, 1}};
     const gpu::Buffer vertices = upload_vertices(device(), corners);
