@@ -5,14 +5,15 @@
 //   LOOP     every pixel, as many as sample_count says        (the paper's plain loop)
 //   BUCKETS  the pixels of one bucket, push.count samples each (one indirect dispatch per count)
 // CONTINUE adds to the sums of an earlier dispatch.
-// Samples 0 ... k-1 in the given order, the first one reused from S; at k = n all n anew in
-// row-major order with a footprint of one sample, which is full supersampling.
+// picks.glsl says which samples; the first one is reused from S, but at k = n all n are shaded anew
+// with a footprint of one sample, which is full supersampling.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
 #include "schedule/buckets.h"
 #include "surface/shade_sample.glsl"
+#include "surface/picks.glsl"
 
 #ifdef BUCKETS
 layout(local_size_x = 64) in;
@@ -52,25 +53,27 @@ void main() {
     uint k = push.count;
 #endif
 
-    bool all_samples = k >= n;
-    float widening = all_samples ? 1.0 : float(frame.data.m) * inversesqrt(float(k));
+    Picks picks = begin_picks(pixel, k);
+    float weight, widening;
     uint first = push.first;
 #ifdef CONTINUE
     vec4 sum = imageLoad(shaded_sum, pixel);
+    for (uint i = 0u; i < first; ++i) next_pick(picks, weight, widening);
 #else
     vec4 sum = vec4(0.0);
 #endif
 #ifndef UNIFORM
     if (k <= 1u) return;
-    if (!all_samples && first == 0u) {
-        sum = imageLoad(first_sample, pixel);
+    if (k < n && first == 0u) {
+        next_pick(picks, weight, widening);
+        sum = weight * imageLoad(first_sample, pixel);
         first = 1u;
     }
 #endif
     uint last = min(min(push.last, k), first + push.loop_bound);
     for (uint i = first; i < last; ++i) {
-        uint index = all_samples ? i : frame.data.order[i];
-        sum += shade_sample(pixel, index, widening);
+        uint index = next_pick(picks, weight, widening);
+        sum += weight * shade_sample(pixel, index, widening);
     }
     imageStore(shaded_sum, pixel, sum);
 }
