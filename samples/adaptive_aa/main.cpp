@@ -169,9 +169,9 @@ int render(int argc, char** argv) {
     expect_no_validation_messages(device);
 
     const Image picture = collect_picture(aa, o);
+    const AdaptiveAa::SampleCounts counts = aa.sample_counts();
     run.save_picture(picture);
     run.save_captures(aa.executor(), aa.outputs().captures);
-    const AdaptiveAa::SampleCounts counts = aa.sample_counts();
     const std::optional<ImageError> error = run.error_of(picture);
     print_summary(run.times(), counts, error);
     run.report(device, aa.executor(),
