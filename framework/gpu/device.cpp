@@ -5,6 +5,7 @@
 #include "framework/core/log.hpp"
 #include "framework/gpu/pipeline.hpp"
 #include "framework/gpu/selection.hpp"
+#include "framework/gpu/wait.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -264,7 +265,7 @@ Device::~Device() { destroy(); }
 
 void Device::destroy() {
     if (device_) {
-        if (owned_) vkDeviceWaitIdle(device_);
+        if (owned_) wait_out([&] { return vkDeviceWaitIdle(device_); });
         pipelines_.reset();
         for (const auto& [key, sampler] : samplers_) vkDestroySampler(device_, sampler, nullptr);
         allocator_.reset();
@@ -350,7 +351,7 @@ void Device::submit(std::span<const VkCommandBuffer> commands, std::string_view 
     VkResult result = VK_SUCCESS;
     try {
         submit({.queue = main_queue(), .commands = commands, .fence = fence}, what);
-        result = vkWaitForFences(device_, 1, &fence, VK_TRUE, UINT64_MAX);
+        result = wait_out([&] { return vkWaitForFences(device_, 1, &fence, VK_TRUE, UINT64_MAX); });
     } catch (...) {
         vkDestroyFence(device_, fence, nullptr);
         throw;

@@ -2,6 +2,7 @@
 #include "framework/runtime/submitter.hpp"
 
 #include "framework/core/error.hpp"
+#include "framework/gpu/wait.hpp"
 
 #include <algorithm>
 
@@ -158,14 +159,17 @@ void Submitter::wait(Frame& frame) {
     frame.in_flight = false;
     VkResult result = VK_SUCCESS;
     if (single()) {
-        result = vkWaitForFences(device_.handle(), 1, &frame.fence, VK_TRUE, UINT64_MAX);
+        result = gpu::wait_out([&] {
+            return vkWaitForFences(device_.handle(), 1, &frame.fence, VK_TRUE, UINT64_MAX);
+        });
         if (result == VK_SUCCESS) result = vkResetFences(device_.handle(), 1, &frame.fence);
     } else {
         const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
             .semaphoreCount = static_cast<std::uint32_t>(timelines_.size()),
             .pSemaphores = timelines_.data(),
             .pValues = frame.ends.data()};
-        result = vkWaitSemaphores(device_.handle(), &info, UINT64_MAX);
+        result =
+            gpu::wait_out([&] { return vkWaitSemaphores(device_.handle(), &info, UINT64_MAX); });
     }
     gpu::expect(
         result, fmt::format("executing '{}' on '{}'", declaration_.name, device_.info().name));

@@ -52,6 +52,6 @@ int main() try {
     std::printf("pi is about %.4f\n", area / (0.4 * 0.4 * kHeight * kHeight));
     return 0;
 } catch (const Error& error) {
-    std::fprintf(stderr, "hello_graph: %s\n", error.what());
+    std::fprintf(stderr, "error: %s\n", error.what());
     return error.exit_code();
 }
