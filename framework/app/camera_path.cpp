@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/app/camera_path.hpp"
 
-#include "framework/app/cli.hpp"
+#include "framework/app/headless.hpp"
+#include "framework/core/error.hpp"
 #include "framework/core/json_object.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace ockham {
 namespace {
@@ -43,6 +45,42 @@ std::vector<Camera> load_camera_path(const std::filesystem::path& path, int coun
         cameras.push_back(between(keys[first], keys[next], place - static_cast<float>(first), up));
     }
     return cameras;
+}
+
+void add_camera_moves(Params& params, CameraMoves& moves, const char* centre) {
+    const char* kPicture = "Picture";
+    params
+        .add("turntable", &moves.turntable,
+            fmt::format("pictures around {}, -o numbered as out%03d.png; 0: one picture", centre))
+        .range(0, 100000)
+        .group(kPicture);
+    params
+        .add("camera-path", &moves.path,
+            "JSON file of key cameras, -o numbered as out%03d.png; --frames pictures along it")
+        .group(kPicture);
+}
+
+std::vector<Camera> choose_cameras(const CameraMoves& moves, const CommonOptions& options,
+    const Camera& first, glm::vec3 centre, UpAxis up, int count) {
+    if (!moves.path.empty() && (moves.turntable > 0 || !options.camera.empty()))
+        fail_input("--camera-path: '{}' says where to stand; leave out --camera and --turntable",
+            moves.path);
+    std::vector<Camera> cameras{first};
+    if (!moves.path.empty()) cameras = load_camera_path(moves.path, count, up);
+    for (int i = 1; i < moves.turntable; ++i) {
+        const float turn = static_cast<float>(i) / static_cast<float>(moves.turntable);
+        cameras.push_back(turned(first, centre, up, 2.0f * std::numbers::pi_v<float> * turn));
+    }
+    for (Camera& camera : cameras)
+        if (options.orthographic > 0) camera.orthographic_height = options.orthographic;
+    return cameras;
+}
+
+void check_numbered(const CommonOptions& options, std::size_t pictures) {
+    if (pictures > 1 && !options.output.empty() && !is_numbered(options.output)) {
+        fail_input("--output: '{}' is one name for {} pictures; put a number in it, as out%03d.png",
+            options.output, pictures);
+    }
 }
 
 } // namespace ockham

@@ -35,11 +35,10 @@ void check_outputs(const CommonOptions& o, const std::vector<std::string>& more)
     }
 }
 
-std::optional<Image> load_reference(const CommonOptions& o) {
-    if (o.reference.empty()) return {};
-    Image reference = load_image(o.reference);
+Image load_reference(const CommonOptions& o, const std::string& file) {
+    Image reference = load_image(file);
     if (reference.width() != o.width || reference.height() != o.height) {
-        fail_input("--reference: '{}' has {} x {} pixels, the picture {} x {}", o.reference,
+        fail_input("--reference: '{}' has {} x {} pixels, the picture {} x {}", file,
             reference.width(), reference.height(), o.width, o.height);
     }
     return reference;
@@ -68,7 +67,10 @@ HeadlessRun::HeadlessRun(
     const CommonOptions& options, int argc, char** argv, const std::vector<std::string>& more)
     : options_(options), command_(command_text(argc, argv)) {
     check_outputs(options, more);
-    reference_ = load_reference(options);
+    if (!options.reference.empty()) {
+        Image first = load_reference(options, numbered(options.reference, 0));
+        if (!is_numbered(options.reference)) reference_ = std::move(first);
+    }
     wall_.restart();
 }
 
@@ -86,9 +88,15 @@ void HeadlessRun::announce(const gpu::Device& device, const Executor& executor) 
     }
 }
 
-std::optional<ImageError> HeadlessRun::error_of(const Image& picture) const {
-    if (!reference_) return {};
-    return image_error(picture, *reference_);
+std::optional<Image> HeadlessRun::reference(int frame) const {
+    if (reference_ || options_.reference.empty()) return reference_;
+    return load_reference(options_, numbered(options_.reference, frame));
+}
+
+std::optional<ImageError> HeadlessRun::error_of(const Image& picture, int frame) const {
+    const std::optional<Image> against = reference(frame);
+    if (!against) return {};
+    return image_error(picture, *against);
 }
 
 void HeadlessRun::save_picture(Image picture, int frame) const {

@@ -30,8 +30,10 @@ public:
     const FrameTimes& times() const { return times_; }
 
     const std::string& command() const { return command_; }
-    /// Against --reference; nothing without one.
-    std::optional<ImageError> error_of(const Image& picture) const;
+    /// --reference; nothing without one. `frame`: the number that stands for %04d in its name.
+    std::optional<Image> reference(int frame = 0) const;
+    /// Against it.
+    std::optional<ImageError> error_of(const Image& picture, int frame = 0) const;
     /// Writes -o, where it was asked for, with what made it in the metadata. `frame`: the number
     /// that stands for %04d in the name.
     void save_picture(Image picture, int frame = 0) const;
@@ -50,7 +52,7 @@ private:
     const CommonOptions& options_;
     std::string command_;
     Timer wall_;
-    std::optional<Image> reference_;
+    std::optional<Image> reference_; ///< where its name has no number
     FrameTimes times_;
 };
 

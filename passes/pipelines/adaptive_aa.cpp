@@ -163,21 +163,19 @@ AdaptiveAaOutputs add_adaptive_aa(
 
 AdaptiveAa::AdaptiveAa(
     gpu::Device& device, const LitScene& lit, const Camera& camera, const AdaptiveAaParams& params)
-    : params_(settled(params)) {
-    const shader::FrameData frame = make_frame(lit.scene(), lit.gpu().bounds(), camera,
-        static_cast<int>(params_.width), static_cast<int>(params_.height),
-        static_cast<int>(params_.m), params_.order, LitScene::kShadowMapSize);
-    frame_ = std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = sizeof(frame),
+    : lit_(&lit), params_(settled(params)) {
+    constexpr std::uint64_t kBytes = sizeof(shader::FrameData);
+    frame_ = std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = kBytes,
                                                        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                                        .name = "frame",
                                                        .memory = gpu::MemoryUse::upload});
-    std::memcpy(frame_->mapped().data(), &frame, sizeof(frame));
+    set_camera(camera);
 
     Graph graph("adaptive_aa");
     ShadingInputs in;
     in.scene.scene = &lit.gpu();
     in.scene.handles = lit.gpu().import(graph);
-    in.scene.frame = graph.import_buffer("frame", {sizeof(frame)}, {});
+    in.scene.frame = graph.import_buffer("frame", {kBytes}, {});
     if (const gpu::Image* map = lit.shadow_map()) {
         in.shadow_map = graph.import_image("shadow_map",
             {.format = map->info().format,
@@ -194,6 +192,13 @@ AdaptiveAa::AdaptiveAa(
     lit.gpu().bind(*executor_, in.scene.handles);
     executor_->bind(in.scene.frame, *frame_);
     if (in.shadow_map) executor_->bind(in.shadow_map, *lit.shadow_map());
+}
+
+void AdaptiveAa::set_camera(const Camera& camera) {
+    const shader::FrameData frame = make_frame(lit_->scene(), lit_->gpu().bounds(), camera,
+        static_cast<int>(params_.width), static_cast<int>(params_.height),
+        static_cast<int>(params_.m), params_.order, LitScene::kShadowMapSize);
+    std::memcpy(frame_->mapped().data(), &frame, sizeof(frame));
 }
 
 AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {

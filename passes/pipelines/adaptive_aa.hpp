@@ -58,7 +58,7 @@ struct AdaptiveAaOutputs {
 AdaptiveAaOutputs add_adaptive_aa(
     Graph& graph, ShadingInputs in, const AdaptiveAaParams& params, std::uint32_t max_extent);
 
-/// The graph with its executor, for one camera. `device` and `scene` must outlive it.
+/// The graph with its executor. `device` and `scene` must outlive it.
 class AdaptiveAa {
 public:
     /// Throws Error(input) for parameters out of range, Error(device) for want of memory.
@@ -66,6 +66,8 @@ public:
         const AdaptiveAaParams& params);
 
     void execute() { executor_->execute(); }
+    /// Looks from elsewhere from the next execution on. The plan stays as it is.
+    void set_camera(const Camera& camera);
     const AdaptiveAaOutputs& outputs() const { return outputs_; }
     Executor& executor() { return *executor_; }
     /// R, G, B (linear radiance) and A of the last execution.
@@ -83,6 +85,7 @@ public:
     SampleCounts sample_counts(std::uint32_t lanes = 8);
 
 private:
+    const LitScene* lit_;
     AdaptiveAaParams params_;
     AdaptiveAaOutputs outputs_;
     std::unique_ptr<gpu::Buffer> frame_;

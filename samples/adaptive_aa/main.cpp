@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // adaptive_aa: renders scenes with adaptive supersampling or a reference method, and reports what
 // it took. README.md beside this file has examples.
+#include "framework/app/camera_path.hpp"
 #include "framework/app/cli.hpp"
 #include "framework/app/headless.hpp"
 #include "framework/app/scene_source.hpp"
 #include "framework/core/error.hpp"
 #include "framework/core/log.hpp"
+#include "framework/image_error/flicker.hpp"
+#include "framework/image_error/mse.hpp"
 #include "framework/io/image_file.hpp"
 #include "passes/pipelines/adaptive_aa.hpp"
 
 #include <nlohmann/json.hpp>
+
+#include <cmath>
 
 using namespace ockham;
 
@@ -18,6 +23,7 @@ namespace {
 struct Options {
     CommonOptions common;
     SceneOptions scene;
+    CameraMoves moves;
     int m = 4;
     std::string method = "adaptive";
     int k = 1;
@@ -72,6 +78,7 @@ void declare(Params& params, Options& o) {
     params.add("aov", &o.aov, "write k, winner, S, depth, normal, material as layers of an .exr")
         .group("Reports");
     add_view_flags(params, o.common);
+    add_camera_moves(params, o.moves, "the scene");
     add_output_flags(params, o.common);
     add_frames_flag(params, o.common);
     add_run_flags(params, o.common);
@@ -126,12 +133,66 @@ Image collect_picture(AdaptiveAa& aa, const Options& o) {
     return picture;
 }
 
+/// What --reference and the sample counts tell about a sequence of pictures.
+class Sequence {
+public:
+    /// The frame that was just executed.
+    void add(const Image& picture, const std::optional<Image>& reference, double percent,
+        AdaptiveAa& aa) {
+        nlohmann::ordered_json frame{{"percent", percent}};
+        if (reference) {
+            const double value = psnr(mse(displayed(picture), displayed(*reference)));
+            frame["psnr"] = std::isinf(value) ? 999.0 : value;
+            flicker_.add(picture, *reference);
+        }
+        if (const ImageHandle map = aa.outputs().sample_count) {
+            Image counts = aa.executor().read(map);
+            if (!counts_.empty())
+                frame["counts_changed"] = share_changed(counts_.plane(0), counts.plane(0), 2.0f);
+            counts_ = std::move(counts);
+        }
+        frames_.push_back(std::move(frame));
+    }
+    double mean_of(const char* key) const {
+        double sum = 0;
+        int count = 0;
+        for (const auto& frame : frames_)
+            if (frame.contains(key)) sum += frame[key].get<double>(), ++count;
+        return count > 0 ? sum / count : 0.0;
+    }
+    nlohmann::ordered_json to_json() const {
+        return {{"frames", frames_}, {"percent", mean_of("percent")}, {"psnr", mean_of("psnr")},
+            {"counts_changed", mean_of("counts_changed")}, {"flicker", flicker_.rms()}};
+    }
+    void print() const {
+        fmt::print("frames  {:9}, {:.2f} % of the samples on average\n", frames_.size(),
+            mean_of("percent"));
+        fmt::print("changed {:9.2f} % of pixels by two samples or more, frame to frame\n",
+            100.0 * mean_of("counts_changed"));
+        if (flicker_.rms() > 0)
+            fmt::print("flicker {:9.3f} codes, {:.2f} dB PSNR\n", flicker_.rms(), mean_of("psnr"));
+    }
+
+private:
+    Flicker flicker_;
+    Image counts_;
+    nlohmann::ordered_json frames_ = nlohmann::ordered_json::array();
+};
+
 void print_summary(const FrameTimes& times, const AdaptiveAa::SampleCounts& counts,
     const std::optional<ImageError>& error) {
     fmt::print("gpu     {:9.2f} ms, shading {:.2f} ms (median of {})\n", times.total(),
         times.total_of(is_shading_pass), times.frames());
     fmt::print("samples {:9.2f} %, {:.2f} per pixel\n", counts.percent, counts.mean);
     if (error) print_error(*error);
+}
+
+void check_pictures(const CommonOptions& o, std::size_t pictures) {
+    check_numbered(o, pictures);
+    if (pictures > 1 && !o.reference.empty() && !is_numbered(o.reference)) {
+        fail_input("--reference: '{}' is one picture for {}; put a number in it, as ref%03d.exr",
+            o.reference, pictures);
+    }
 }
 
 int render(int argc, char** argv) {
@@ -151,36 +212,52 @@ int render(int argc, char** argv) {
     watch_shaders(device, o.common);
     log::info("{} ({})", device.info().name, device.info().driver_version);
     const LitScene lit(device, std::move(scene));
-    const Camera camera = choose_camera(o.common, lit.scene(), lit.gpu().bounds());
-    AdaptiveAa aa(device, lit, camera, picture_params(o));
+    const std::vector<Camera> cameras =
+        choose_cameras(o.moves, o.common, choose_camera(o.common, lit.scene(), lit.gpu().bounds()),
+            lit.gpu().bounds().center(), UpAxis::y, params.given("frames") ? o.common.frames : 0);
+    check_pictures(o.common, cameras.size());
+    AdaptiveAa aa(device, lit, cameras.front(), picture_params(o));
     run.announce(device, aa.executor());
     log::info("{} triangles, {} lights; scene {} MiB, graph {} MiB", lit.gpu().facts().triangles,
         lit.scene().lights.size(), lit.gpu().bytes() >> 20, aa.executor().plan().bytes_peak >> 20);
 
-    if (!o.common.stats.empty()) aa.execute(); // warms up: compiles kernels, touches memory
-    Progress progress("frame", static_cast<std::size_t>(o.common.frames), o.common.quiet);
-    for (int frame = 0; frame < o.common.frames; ++frame) {
+    const bool moving = cameras.size() > 1;
+    if (!o.common.stats.empty() && !moving) aa.execute(); // warms up: compiles kernels
+    const std::size_t frames = moving ? cameras.size() : static_cast<std::size_t>(o.common.frames);
+    Sequence sequence;
+    Image picture;
+    AdaptiveAa::SampleCounts counts;
+    int number = 0; // of the picture, in the names of files
+    Progress progress("frame", frames, o.common.quiet);
+    for (std::size_t frame = 0; frame < frames; ++frame) {
         if (interrupted()) return 130;
         reload_shaders(device);
+        if (moving) aa.set_camera(cameras[frame]);
         aa.execute();
-        run.add_times(aa.executor());
-        progress.update(static_cast<std::size_t>(frame) + 1);
+        if (!moving || frame > 0) run.add_times(aa.executor()); // the first compiles kernels
+        progress.update(frame + 1);
+        if (!moving && frame + 1 < frames) continue;
+        picture = collect_picture(aa, o);
+        counts = aa.sample_counts();
+        if (moving) number = static_cast<int>(frame);
+        if (moving) sequence.add(picture, run.reference(number), counts.percent, aa);
+        run.save_picture(picture, number);
     }
     expect_no_validation_messages(device);
 
-    const Image picture = collect_picture(aa, o);
-    const AdaptiveAa::SampleCounts counts = aa.sample_counts();
-    run.save_picture(picture);
     run.save_captures(aa.executor(), aa.outputs().captures);
-    const std::optional<ImageError> error = run.error_of(picture);
+    const std::optional<ImageError> error = run.error_of(picture, number);
     print_summary(run.times(), counts, error);
-    run.report(device, aa.executor(),
-        {{"shading_gpu_ms", run.times().total_of(is_shading_pass)},
-            {"samples",
-                {{"percent", counts.percent}, {"mean_k", counts.mean},
-                    {"histogram", counts.histogram}, {"lane_efficiency", counts.lane_efficiency},
-                    {"shaded_percent", counts.shaded_percent}}}},
-        error);
+    nlohmann::ordered_json more{{"shading_gpu_ms", run.times().total_of(is_shading_pass)},
+        {"samples",
+            {{"percent", counts.percent}, {"mean_k", counts.mean}, {"histogram", counts.histogram},
+                {"lane_efficiency", counts.lane_efficiency},
+                {"shaded_percent", counts.shaded_percent}}}};
+    if (moving) {
+        sequence.print();
+        more["sequence"] = sequence.to_json();
+    }
+    run.report(device, aa.executor(), more, error);
     return 0;
 }
 

@@ -19,7 +19,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 
 using namespace ockham;
@@ -45,8 +44,8 @@ struct Options {
     int steps = 0; ///< 0: as many as the other bounds allow
     float time = 0;
     float target_error = 0;
-    int turntable = 0, frames = 0;
-    std::string camera_path;
+    CameraMoves moves;
+    int frames = 0;
     std::string checkpoint, resume;
     float checkpoint_interval = 60;
     std::string convergence;
@@ -105,11 +104,7 @@ void declare(Params& params, Options& o) {
         .unit("seconds");
     add(kRun, "resume", &o.resume, "checkpoint to go on from, of a run with the same flags")
         .transient();
-    add("Picture", "turntable", &o.turntable,
-        "pictures around the volume, -o numbered as out%03d.png; 0: one picture")
-        .range(0, 100000);
-    add("Picture", "camera-path", &o.camera_path,
-        "JSON file of key cameras, -o numbered as out%03d.png");
+    add_camera_moves(params, o.moves, "the volume");
     add("Picture", "frames", &o.frames, "pictures along --camera-path; 0: one for each key")
         .range(0, 100000);
     add(kReport, "convergence", &o.convergence,
@@ -121,29 +116,17 @@ void declare(Params& params, Options& o) {
 }
 
 /// One for each picture.
-std::vector<Camera> choose_cameras(const Options& o) {
-    if (!o.camera_path.empty() && (o.turntable > 0 || !o.common.camera.empty()))
-        fail_input("--camera-path: '{}' says where to stand; leave out --camera and --turntable",
-            o.camera_path);
-    if (o.frames > 0 && o.camera_path.empty())
+std::vector<Camera> cameras_of(const Options& o) {
+    if (o.frames > 0 && o.moves.path.empty())
         fail_input("--frames: {} pictures of what? give --camera-path, or --turntable N", o.frames);
-    std::vector<Camera> cameras{volume_camera()};
-    if (!o.camera_path.empty()) {
-        cameras = load_camera_path(o.camera_path, o.frames, UpAxis::z);
-    } else if (!o.common.camera.empty()) {
+    Camera first = volume_camera();
+    if (!o.common.camera.empty()) {
         const std::optional<Camera> given = parse_camera(o.common.camera, UpAxis::z);
         if (!given)
             fail_input("--camera: found '{}', expected \"px,py,pz tx,ty,tz fov\"", o.common.camera);
-        cameras = {*given};
+        first = *given;
     }
-    for (int i = 1; i < o.turntable; ++i) {
-        const float turn = static_cast<float>(i) / static_cast<float>(o.turntable);
-        cameras.push_back(turned(
-            cameras.front(), glm::vec3(0.0f), UpAxis::z, 2.0f * std::numbers::pi_v<float> * turn));
-    }
-    for (Camera& camera : cameras)
-        if (o.common.orthographic > 0) camera.orthographic_height = o.common.orthographic;
-    return cameras;
+    return choose_cameras(o.moves, o.common, first, glm::vec3(0.0f), UpAxis::z, o.frames);
 }
 
 void check_options(const Options& o, std::size_t pictures) {
@@ -151,10 +134,7 @@ void check_options(const Options& o, std::size_t pictures) {
         fail_input("--convergence: there is no --reference to converge to");
     if (pictures > 1 && !o.common.reference.empty())
         fail_input("--reference: {} pictures cannot be measured against one", pictures);
-    if (pictures > 1 && !o.common.output.empty() && !is_numbered(o.common.output)) {
-        fail_input("--output: '{}' is one name for {} pictures; put a number in it, as out%03d.png",
-            o.common.output, pictures);
-    }
+    check_numbered(o.common, pictures);
 }
 
 VolumeMode mode_of(
@@ -371,7 +351,7 @@ int render(int argc, char** argv) {
             "Renders volumes and isosurfaces with global illumination.", params, o.common)) {
         return *done;
     }
-    const std::vector<Camera> cameras = choose_cameras(o);
+    const std::vector<Camera> cameras = cameras_of(o);
     check_options(o, cameras.size());
     HeadlessRun run(o.common, argc, argv, {o.checkpoint, o.convergence});
 

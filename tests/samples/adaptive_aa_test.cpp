@@ -104,6 +104,44 @@ TEST_F(AdaptiveAaProgram, run_files_repeat_a_run) {
     }
 }
 
+TEST_F(AdaptiveAaProgram, moving_cameras_number_their_pictures_and_measure_each) {
+    write_text(folder / "path.json", R"({"keys": [{"camera": "0,1.7,4 0,1.7,0 60"},
+        {"camera": "0.1,1.7,4 0.1,1.7,0 60"}]})");
+    const std::string wires = "builtin:wires --width 33 --height 21 --m 2 --quiet ";
+    const std::string moving = wires + "--camera-path path.json --frames 3 ";
+    ASSERT_EQ(run(moving + "--method ssaa -o all%d.exr").exit_code, 0);
+    const Result result = run(moving + "-o out%d.exr --reference all%d.exr --stats s.json");
+    ASSERT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_FALSE(fs::exists(folder / "out3.exr"));
+    const nlohmann::json sequence = nlohmann::json::parse(read_text(folder / "s.json"))["sequence"];
+    ASSERT_EQ(sequence["frames"].size(), 3u);
+    EXPECT_GT(sequence["flicker"].get<double>(), 0.0);
+    EXPECT_GT(sequence["psnr"].get<double>(), 20.0);
+    EXPECT_LT(sequence["percent"].get<double>(), 100.0);
+    EXPECT_FALSE(sequence["frames"][0].contains("counts_changed"));
+    EXPECT_GT(sequence["frames"][1]["counts_changed"].get<double>(), 0.0);
+
+    // The frames are those of runs of their own; a path without --frames shows its keys.
+    ASSERT_EQ(run(moving + "--method ssaa --reference all%d.exr --stats same.json").exit_code, 0);
+    EXPECT_EQ(nlohmann::json::parse(read_text(folder / "same.json"))["sequence"]["flicker"], 0.0);
+    ASSERT_EQ(run(wires + "--camera '0.1,1.7,4 0.1,1.7,0 60' -o last.exr").exit_code, 0);
+    ASSERT_EQ(run(wires + "--camera-path path.json -o key%d.exr").exit_code, 0);
+    EXPECT_FALSE(fs::exists(folder / "key2.exr"));
+    ASSERT_EQ(run(wires + "--turntable 2 -o turn%d.exr").exit_code, 0);
+    const auto same = [&](const char* a, const char* b) {
+        const Image x = load_image(folder / a), y = load_image(folder / b);
+        return std::equal(x.plane(1).begin(), x.plane(1).end(), y.plane(1).begin());
+    };
+    EXPECT_TRUE(same("last.exr", "out2.exr"));
+    EXPECT_TRUE(same("key1.exr", "out2.exr"));
+    EXPECT_TRUE(same("turn0.exr", "out0.exr"));
+    EXPECT_FALSE(same("turn0.exr", "turn1.exr"));
+
+    expect_error(moving + "-o one.exr", 2, {"one.exr", "3 pictures"});
+    expect_error(moving + "--reference all0.exr", 2, {"all0.exr", "3"});
+    expect_error(moving + "--turntable 2 -o t%d.exr", 2, {"--camera-path", "--turntable"});
+}
+
 TEST_F(AdaptiveAaProgram, bad_input_is_one_error_with_exit_code_2) {
     write_text(folder / "garbage.gltf", "garbage");
     write_text(folder / "garbage.exr", "garbage");

@@ -248,6 +248,20 @@ TEST_F(AdaptiveAaTest, EveryRunMakesTheSamePicture) {
     EXPECT_TRUE(equal_bits(first, render(p))) << "made again";
 }
 
+TEST_F(AdaptiveAaTest, AMovedCameraSeesWhatOneThatStoodThereSees) {
+    const AdaptiveAaParams p = params(33, 21, 3, AaMethod::adaptive);
+    Camera other = camera();
+    other.position += glm::vec3(0.2f, 0.1f, 0.0f);
+    AdaptiveAa there(device(), varied(), other, p);
+    there.execute();
+    AdaptiveAa moved(device(), varied(), camera(), p);
+    moved.execute();
+    moved.set_camera(other);
+    moved.execute();
+    EXPECT_TRUE(equal_bits(moved.picture(), there.picture()));
+    EXPECT_FALSE(equal_bits(moved.picture(), render(p)));
+}
+
 TEST_F(AdaptiveAaTest, StallChangesNoBit) {
     AdaptiveAaParams p = params(33, 21, 3, AaMethod::adaptive);
     const Image plain = render(p);
