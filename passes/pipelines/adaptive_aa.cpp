@@ -3,6 +3,7 @@
 
 #include "framework/core/error.hpp"
 #include "passes/debug/surface_aov.hpp"
+#include "passes/pipelines/aa_baselines.hpp"
 #include "passes/schedule/buckets.hpp"
 #include "passes/surface/first_sample.hpp"
 #include "passes/surface/resolve.hpp"
@@ -22,6 +23,11 @@ std::vector<std::uint32_t> row_major_order(std::uint32_t m) {
     return order;
 }
 
+/// Methods that filter the picture of one sample per pixel.
+bool filters_picture(AaMethod method) {
+    return method == AaMethod::fxaa || method == AaMethod::smaa;
+}
+
 /// The parameters with everything derived: m = 1 and "none" are the same picture.
 AdaptiveAaParams settled(AdaptiveAaParams params) {
     if (params.width < 1 || params.height < 1 || params.width > 16384 || params.height > 16384) {
@@ -31,14 +37,14 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
     if (params.m < 1 || params.m > MAX_WINDOW) {
         fail_input("m = {}: the window must be 1 to {} samples wide", params.m, MAX_WINDOW);
     }
-    if (params.method == AaMethod::none) params.m = 1;
+    if (params.method == AaMethod::none || filters_picture(params.method)) params.m = 1;
     const std::uint32_t n = params.m * params.m;
     if (params.method == AaMethod::ssaa) params.k = n;
     if (params.method == AaMethod::uniform && (params.k < 1 || params.k > n)) {
         fail_input(
             "k = {}: a window of {} x {} has 1 to {} samples", params.k, params.m, params.m, n);
     }
-    if (n == 1) params.method = AaMethod::none;
+    if (n == 1 && !filters_picture(params.method)) params.method = AaMethod::none;
     if (params.order.empty()) {
         const bool partial = params.method == AaMethod::adaptive ||
                              (params.method == AaMethod::uniform && params.k < n);
@@ -71,10 +77,16 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
     AdaptiveAaOutputs out;
     switch (params.method) {
     case AaMethod::none:
+    case AaMethod::fxaa:
+    case AaMethod::smaa:
         omit_adaptive_passes(graph, "one sample per pixel: nothing to decide");
         graph.omit_pass("shade", "one sample per pixel: first_sample is the picture");
         graph.omit_pass("resolve", "one sample per pixel: first_sample is the picture");
         out.radiance = out.first_sample = add_first_sample(graph, in, shading);
+        if (params.method == AaMethod::fxaa)
+            out.radiance = add_fxaa_picture(graph, out.first_sample);
+        if (params.method == AaMethod::smaa)
+            out.radiance = add_smaa_picture(graph, out.first_sample);
         return out;
     case AaMethod::uniform:
     case AaMethod::ssaa: {
@@ -118,6 +130,7 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
 } // namespace
 
 bool is_shading_pass(std::string_view pass) {
+    if (is_baseline_pass(pass)) return true;
     // "shade" and its further rounds "shade.1", ...; the passes of the buckets.
     return pass == "first_sample" || pass == "metrics" || pass.starts_with("bucket_") ||
            pass.starts_with("shade") || pass == "resolve";
@@ -207,7 +220,7 @@ AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {
     SampleCounts counts;
     counts.histogram.assign(n, 0);
     if (params_.method != AaMethod::adaptive) {
-        const std::uint32_t k = params_.method == AaMethod::none ? 1 : params_.k;
+        const std::uint32_t k = n == 1 ? 1 : params_.k;
         counts.histogram[k - 1] = pixels;
         counts.mean = k;
         counts.percent = counts.shaded_percent = 100.0 * k / n;

@@ -19,6 +19,8 @@ namespace ockham {
 
 enum class AaMethod {
     none,     ///< one sample per pixel, whatever m
+    fxaa,     ///< the same, smoothed along the edges that the picture shows
+    smaa,     ///< likewise
     uniform,  ///< the same k everywhere
     ssaa,     ///< all m x m samples
     adaptive, ///< k by the metrics

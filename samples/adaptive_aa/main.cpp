@@ -47,7 +47,8 @@ void declare(Params& params, Options& o) {
         return params.add(name, target, help).group(kMethod);
     };
     add("m", &o.m, "window width: m x m samples per pixel").range(1, 8);
-    add("method", &o.method, "anti-aliasing").choices({"none", "uniform", "ssaa", "adaptive"});
+    add("method", &o.method, "anti-aliasing")
+        .choices({"none", "fxaa", "smaa", "uniform", "ssaa", "adaptive"});
     add("k", &o.k, "samples per pixel of --method uniform").range(1, 64);
     add("preset", &o.preset, "all choices below at once").choices({"paper"});
     add("metric", &o.metric, "what decides the samples per pixel").choices({"paper"});
@@ -90,6 +91,8 @@ AdaptiveAaParams picture_params(const Options& o) {
     p.height = static_cast<std::uint32_t>(o.common.height);
     p.m = static_cast<std::uint32_t>(o.m);
     p.method = o.method == "none"      ? AaMethod::none
+               : o.method == "fxaa"    ? AaMethod::fxaa
+               : o.method == "smaa"    ? AaMethod::smaa
                : o.method == "uniform" ? AaMethod::uniform
                : o.method == "ssaa"    ? AaMethod::ssaa
                                        : AaMethod::adaptive;
