@@ -4,7 +4,7 @@
 #include "framework/core/error.hpp"
 #include "passes/debug/surface_aov.hpp"
 #include "passes/pipelines/aa_baselines.hpp"
-#include "passes/schedule/buckets.hpp"
+#include "passes/schedule/coarsen.hpp"
 #include "passes/surface/first_sample.hpp"
 #include "passes/surface/resolve.hpp"
 #include "passes/surface/shade.hpp"
@@ -44,6 +44,9 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
         fail_input(
             "k = {}: a window of {} x {} has 1 to {} samples", params.k, params.m, params.m, n);
     }
+    if (params.count_block < 1 || params.count_block > 64) {
+        fail_input("--k-filter max:{}: blocks are 1 to 64 pixels wide", params.count_block);
+    }
     if (n == 1 && !filters_picture(params.method)) params.method = AaMethod::none;
     if (params.order.empty()) {
         const bool partial = params.method == AaMethod::adaptive ||
@@ -55,8 +58,8 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
 }
 
 void omit_adaptive_passes(Graph& graph, const std::string& reason) {
-    for (const char* pass :
-        {"metrics", "bucket_count", "bucket_scan", "bucket_arguments", "bucket_scatter"}) {
+    for (const char* pass : {"metrics", "coarsen", "bucket_count", "bucket_scan",
+             "bucket_arguments", "bucket_scatter", "tile_work", "tile_list"}) {
         graph.omit_pass(pass, reason);
     }
 }
@@ -70,6 +73,42 @@ void omit_what_the_scene_lacks(Graph& graph, const SceneFacts& facts) {
     }
     if (!facts.masked) graph.omit_pass("gbuffer, masked draws", "no material has holes");
     if (!facts.sun_shadow) graph.omit_resource("shadow_map", "no directional light casts a shadow");
+}
+
+/// The back end, with the passes that prepare it.
+ImageHandle add_shade(Graph& graph, const ShadingInputs& in, const ShadingParams& shading,
+    const AdaptiveInputs& counts, Dispatch dispatch) {
+    const std::uint32_t width = shading.width, height = shading.height;
+    const bool lists = dispatch == Dispatch::buckets || dispatch == Dispatch::sort;
+    if (!lists) {
+        for (const char* pass :
+            {"bucket_count", "bucket_scan", "bucket_arguments", "bucket_scatter"})
+            graph.omit_pass(pass, "no list of pixels by count: only --dispatch buckets and sort");
+    }
+    if (dispatch != Dispatch::repack) {
+        for (const char* pass : {"tile_work", "tile_list"})
+            graph.omit_pass(pass, "no list of tiles: only --dispatch repack");
+    }
+    Buckets buckets;
+    if (lists) {
+        buckets = add_buckets(graph, counts.sample_count, {width, height, shading.m * shading.m});
+    }
+    switch (dispatch) {
+    case Dispatch::loop:
+        break;
+    case Dispatch::buckets:
+        return add_shade_buckets(graph, in, shading, counts, buckets);
+    case Dispatch::sort:
+        return add_shade_sorted(graph, in, shading, counts, buckets);
+    case Dispatch::repack:
+        return add_shade_repacked(
+            graph, in, shading, counts, add_tile_list(graph, counts.sample_count, width, height));
+    case Dispatch::stencil:
+        return add_shade_tested(graph, in, shading, counts, CountTest::stencil);
+    case Dispatch::depth:
+        return add_shade_tested(graph, in, shading, counts, CountTest::depth);
+    }
+    return add_shade_loop(graph, in, shading, counts);
 }
 
 AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const ShadingParams& shading,
@@ -111,18 +150,15 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
         add_metrics(graph, {in.scene.frame, in.gbuffer, out.first_sample}, metrics);
     out.sample_count = counts.sample_count;
     out.winner = counts.winner;
-    ImageHandle sum;
-    if (params.dispatch == Dispatch::buckets) {
-        const Buckets buckets = add_buckets(
-            graph, out.sample_count, {params.width, params.height, params.m * params.m});
-        sum = add_shade_buckets(graph, in, shading, out.first_sample, buckets);
+    if (params.powers_of_two || params.count_block > 1) {
+        out.sample_count = add_coarsen(graph, out.sample_count,
+            {params.width, params.height, params.m * params.m, params.count_block,
+                params.powers_of_two});
     } else {
-        for (const char* pass :
-            {"bucket_count", "bucket_scan", "bucket_arguments", "bucket_scatter"}) {
-            graph.omit_pass(pass, "--dispatch loop: each invocation loops over its own pixel");
-        }
-        sum = add_shade_loop(graph, in, shading, out.first_sample, out.sample_count);
+        graph.omit_pass("coarsen", "--k-levels all, no --k-filter: counts stay as they are");
     }
+    const ImageHandle sum =
+        add_shade(graph, in, shading, {out.first_sample, out.sample_count}, params.dispatch);
     out.radiance = add_resolve(graph, sum, out.first_sample, out.sample_count);
     return out;
 }
@@ -131,9 +167,10 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
 
 bool is_shading_pass(std::string_view pass) {
     if (is_baseline_pass(pass)) return true;
-    // "shade" and its further rounds "shade.1", ...; the passes of the buckets.
-    return pass == "first_sample" || pass == "metrics" || pass.starts_with("bucket_") ||
-           pass.starts_with("shade") || pass == "resolve";
+    // "shade" and its further rounds "shade.1", ...; the passes of the lists.
+    return pass == "first_sample" || pass == "metrics" || pass == "coarsen" ||
+           pass.starts_with("bucket_") || pass.starts_with("tile_") || pass.starts_with("shade") ||
+           pass == "resolve";
 }
 
 AdaptiveAaOutputs add_adaptive_aa(
@@ -177,6 +214,12 @@ AdaptiveAaOutputs add_adaptive_aa(
 AdaptiveAa::AdaptiveAa(
     gpu::Device& device, const LitScene& lit, const Camera& camera, const AdaptiveAaParams& params)
     : lit_(&lit), params_(settled(params)) {
+    if (params_.method == AaMethod::adaptive && params_.dispatch == Dispatch::stencil &&
+        !device.exports_stencil()) {
+        fail_device("--dispatch stencil needs VK_EXT_shader_stencil_export, which '{}' lacks; "
+                    "--dispatch depth does the same without it",
+            device.info().name);
+    }
     constexpr std::uint64_t kBytes = sizeof(shader::FrameData);
     frame_ = std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = kBytes,
                                                        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
@@ -230,33 +273,18 @@ AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {
         "counts were not exported");
     const Image map = executor_->read(outputs_.sample_count);
     const std::span<const float> k = map.plane(0);
-    std::uint64_t sum = 0, lane_slots = 0;
+    std::uint64_t sum = 0;
     for (const float value : k) {
         const auto count = static_cast<std::uint32_t>(value);
         check(count >= 1 && count <= n, "a pixel has 1 to n samples");
         ++counts.histogram[count - 1];
         sum += count;
     }
-    // A group of lanes runs as long as its longest pixel. Buckets hold pixels of one count only.
-    if (params_.dispatch == Dispatch::buckets) {
-        for (std::uint32_t b = 0; b < n; ++b) {
-            lane_slots += (counts.histogram[b] + lanes - 1) / lanes * lanes * (b + 1);
-        }
-    } else {
-        for (std::uint32_t y = 0; y < params_.height; ++y) {
-            for (std::uint32_t x = 0; x < params_.width; x += lanes) {
-                float most = 0;
-                for (std::uint32_t i = x; i < std::min(x + lanes, params_.width); ++i) {
-                    most = std::max(most, k[std::size_t{y} * params_.width + i]);
-                }
-                lane_slots += static_cast<std::uint64_t>(most) * lanes;
-            }
-        }
-    }
     const double all = static_cast<double>(pixels) * n;
     counts.percent = 100.0 * static_cast<double>(sum) / all;
     counts.mean = static_cast<double>(sum) / static_cast<double>(pixels);
-    counts.lane_efficiency = static_cast<double>(sum) / static_cast<double>(lane_slots);
+    counts.lane_efficiency =
+        ockham::lane_efficiency(k, params_.width, params_.height, params_.dispatch, lanes);
     counts.shaded_percent =
         counts.percent + 100.0 * static_cast<double>(counts.histogram[n - 1]) / all;
     return counts;

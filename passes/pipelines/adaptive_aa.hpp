@@ -6,6 +6,7 @@
 #pragma once
 
 #include "passes/pipelines/lit_scene.hpp"
+#include "passes/schedule/dispatch.hpp"
 #include "passes/surface/frame.hpp"
 #include "passes/surface/metrics.hpp"
 #include "passes/surface/shading_inputs.hpp"
@@ -26,17 +27,14 @@ enum class AaMethod {
     adaptive, ///< k by the metrics
 };
 
-enum class Dispatch {
-    loop,    ///< each invocation loops over its own pixel's samples
-    buckets, ///< one indirect dispatch per count
-};
-
 struct AdaptiveAaParams {
     std::uint32_t width = 1024, height = 768; ///< pixels
     std::uint32_t m = 4;                      ///< window width in samples, 1 ... 8
     AaMethod method = AaMethod::adaptive;
     std::uint32_t k = 1; ///< uniform only, 1 ... m * m
     Dispatch dispatch = Dispatch::buckets;
+    bool powers_of_two = false;        ///< counts are rounded up to powers of two, n stays
+    std::uint32_t count_block = 1;     ///< pixels per block and axis that share the largest count
     std::vector<std::uint32_t> order;  ///< samples by rank; empty: paper_order(m)
     MetricsParams metrics;             ///< its size is set from here
     std::uint32_t stall = 0;           ///< dependent FMAs per shaded sample
@@ -79,7 +77,8 @@ public:
         double percent = 0; ///< of all m * m samples, each pixel's first included
         double mean = 0;    ///< k
         std::vector<std::uint64_t> histogram;
-        /// Useful share of SIMD lanes, were the dispatch run in groups of `lanes`.
+        /// Useful share of SIMD lanes, were the dispatch run in groups of `lanes`:
+        /// passes/schedule/dispatch.hpp.
         double lane_efficiency = 1;
         /// percent, plus first samples that pixels with k = n shade a second time.
         double shaded_percent = 0;

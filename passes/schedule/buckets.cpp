@@ -28,10 +28,10 @@ Buckets add_buckets(Graph& graph, ImageHandle sample_count, const BucketsParams&
     BufferHandle histogram =
         graph.create_buffer("tile_histogram", {std::uint64_t{params.bucket_count} * tiles * words});
     Buckets out{
-        .table =
-            graph.create_buffer("bucket_table", {params.bucket_count * sizeof(shader::Bucket)}),
+        .table = graph.create_buffer(
+            "bucket_table", {(params.bucket_count + 1) * sizeof(shader::Bucket)}),
         .arguments = graph.create_buffer(
-            "bucket_arguments", {params.bucket_count * sizeof(shader::DispatchArguments)}),
+            "bucket_arguments", {(params.bucket_count + 1) * sizeof(shader::DispatchArguments)}),
         .list = graph.create_buffer(
             "pixel_list", {std::uint64_t{params.width} * params.height * words}),
     };

@@ -16,8 +16,10 @@ struct BucketsParams {
 
 /// Layouts: shaders/schedule/buckets.h.
 struct Buckets {
-    BufferHandle table;     ///< Bucket[bucket_count]: where each count's items stand in `list`
-    BufferHandle arguments; ///< DispatchArguments[bucket_count] for workgroups of BUCKET_GROUP
+    /// Bucket[bucket_count + 1]: where each count's items stand in `list`; the last: all items of
+    /// count 2 and more.
+    BufferHandle table;
+    BufferHandle arguments; ///< DispatchArguments for each of them, workgroups of BUCKET_GROUP
     BufferHandle list;      ///< uint[width * height]: x | y << 16, by count, then tile, then row
 };
 

@@ -11,41 +11,96 @@
 namespace ockham {
 namespace {
 
-std::string shade_variant(
-    std::string mode, const shader::ShadePush& push, const ShadingInputs& in) {
-    if (push.first > 0) mode += ",continue";
-    return shading_variant("surface/shade.comp", mode, in);
-}
+/// What one back end does in each round.
+struct BackEnd {
+    std::string reason;
+    bool raster = false;
+    std::uint32_t most = 1; ///< samples of a pixel
+    /// Names what it reads besides shaders/surface/shade_sample.glsl and its sums.
+    std::function<void(PassBuilder&)> declare;
+    /// Runs a variant of its shader on the samples push.first ... push.last - 1.
+    std::function<void(Commands&, const std::string& features, shader::ShadePush push)> run;
+};
 
-/// Adds the passes that together sum samples 0 ... most-1, each within the iteration budget.
-/// `declare` names what the mode reads; `dispatch` runs one round.
-ImageHandle add_rounds(Graph& graph, const ShadingInputs& in, const ShadingParams& params,
-    std::uint32_t most, const std::string& reason, const std::function<void(PassBuilder&)>& declare,
-    const std::function<void(Commands&, const shader::ShadePush&)>& dispatch) {
+/// Adds the passes that together sum all samples, each within the iteration budget.
+ImageHandle add_rounds(
+    Graph& graph, const ShadingInputs& in, const ShadingParams& params, const BackEnd& back_end) {
     const std::uint32_t per_round = samples_per_dispatch(in.scene.scene->facts(), params);
+    const Stage stage = back_end.raster ? Stage::fragment : Stage::compute;
     ImageHandle sum = graph.create_image("shaded_sum",
         {.format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = params.width, .height = params.height});
     std::uint32_t round = 0;
-    for (std::uint32_t first = 0; first < most; first += per_round, ++round) {
+    for (std::uint32_t first = 0; first < back_end.most; first += per_round, ++round) {
+        const std::string name = round == 0 ? "shade" : fmt::format("shade.{}", round);
         PassBuilder pass =
-            graph.add_compute_pass(round == 0 ? "shade" : fmt::format("shade.{}", round));
+            back_end.raster ? graph.add_raster_pass(name) : graph.add_compute_pass(name);
         pass.because(
             round == 0
-                ? reason
+                ? back_end.reason
                 : fmt::format("continues the sums: at most {} samples fit one kernel", per_round));
-        read_shading(pass, in);
-        declare(pass);
-        sum = round == 0 ? pass.write("shaded_sum", sum) : pass.read_write("shaded_sum", sum);
-        pass.record([=, last = std::min(first + per_round, most)](Commands& commands) {
-            dispatch(commands, {.count = most,
-                                   .first = first,
-                                   .last = last,
-                                   .stall = params.stall,
-                                   .anisotropy = static_cast<float>(params.anisotropy),
-                                   .loop_bound = per_round});
+        read_shading(pass, in, stage);
+        back_end.declare(pass);
+        sum = round == 0 ? pass.write("shaded_sum", sum, stage)
+                         : pass.read_write("shaded_sum", sum, stage);
+        const shader::ShadePush push{.count = back_end.most,
+            .first = first,
+            .last = std::min(first + per_round, back_end.most),
+            .stall = params.stall,
+            .anisotropy = static_cast<float>(params.anisotropy),
+            .loop_bound = per_round};
+        pass.record([push, run = back_end.run](Commands& commands) {
+            run(commands, push.first > 0 ? "continue" : "", push);
         });
     }
     return sum;
+}
+
+/// "surface/shade.comp:loop,continue,shadow": mode and continue come before the scene's features.
+std::string variant(std::string_view shader, std::string mode, const std::string& continued,
+    const ShadingInputs& in) {
+    if (!mode.empty() && !continued.empty()) mode += ',';
+    return shading_variant(shader, mode + continued, in);
+}
+
+/// `shader` and `push` must outlive it.
+ComputeCall kernel(
+    const std::string& shader, const ShadingInputs& in, const shader::ShadePush& push) {
+    return {.shader = shader,
+        .specialization = light_specialization(in.scene.scene->facts()),
+        .push = as_push(push)};
+}
+
+void read_counts(PassBuilder& pass, const AdaptiveInputs& counts, Stage stage = Stage::compute) {
+    pass.read("first_sample", counts.first_sample, stage)
+        .read("sample_count", counts.sample_count, stage);
+}
+
+/// Ranges of a list of pixels: those of one count each, or all as one.
+ImageHandle add_shade_list(Graph& graph, const ShadingInputs& in, const ShadingParams& params,
+    const AdaptiveInputs& counts, const Buckets& buckets, bool by_count, const char* reason) {
+    const std::uint32_t n = params.m * params.m;
+    return add_rounds(graph, in, params,
+        {.reason = reason,
+            .most = n,
+            .declare =
+                [=](PassBuilder& pass) {
+                    read_counts(pass, counts);
+                    pass.read("bucket_table", buckets.table)
+                        .read("pixel_list", buckets.list)
+                        .indirect(buckets.arguments);
+                },
+            .run =
+                [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
+                    const std::string shader = variant("surface/shade.comp", "list", continued, in);
+                    // The dearest pixels first: what is left over at the end is then cheap. Counts
+                    // up to push.first were done in earlier rounds.
+                    const std::uint32_t most = by_count ? n : n + 1;
+                    const std::uint32_t least = by_count ? std::max(2u, push.first + 1) : n + 1;
+                    for (push.count = most; push.count >= least; --push.count) {
+                        commands.dispatch_indirect(kernel(shader, in, push), buckets.arguments,
+                            (push.count - 1) * sizeof(shader::DispatchArguments));
+                    }
+                }});
 }
 
 } // namespace
@@ -53,58 +108,107 @@ ImageHandle add_rounds(Graph& graph, const ShadingInputs& in, const ShadingParam
 ImageHandle add_shade_uniform(
     Graph& graph, const ShadingInputs& in, const ShadingParams& params, std::uint32_t k) {
     check(k >= 1 && k <= params.m * params.m, "k lies in 1 ... m * m");
-    return add_rounds(
-        graph, in, params, k, fmt::format("{} samples for every pixel", k), [](PassBuilder&) {},
-        [in, params](Commands& commands, const shader::ShadePush& push) {
-            const std::string shader = shade_variant("uniform", push, in);
-            commands.dispatch_over(
-                {.shader = shader,
-                    .specialization = light_specialization(in.scene.scene->facts()),
-                    .push = as_push(push)},
-                {params.width, params.height, 1});
-        });
+    return add_rounds(graph, in, params,
+        {.reason = fmt::format("{} samples for every pixel", k),
+            .most = k,
+            .declare = [](PassBuilder&) {},
+            .run =
+                [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
+                    const std::string shader =
+                        variant("surface/shade.comp", "uniform", continued, in);
+                    commands.dispatch_over(
+                        kernel(shader, in, push), {params.width, params.height, 1});
+                }});
 }
 
 ImageHandle add_shade_loop(Graph& graph, const ShadingInputs& in, const ShadingParams& params,
-    ImageHandle first_sample, ImageHandle sample_count) {
-    return add_rounds(
-        graph, in, params, params.m * params.m, "shades as many samples as each pixel's count says",
-        [=](PassBuilder& pass) {
-            pass.read("first_sample", first_sample).read("sample_count", sample_count);
-        },
-        [in, params](Commands& commands, const shader::ShadePush& push) {
-            const std::string shader = shade_variant("loop", push, in);
-            commands.dispatch_over(
-                {.shader = shader,
-                    .specialization = light_specialization(in.scene.scene->facts()),
-                    .push = as_push(push)},
-                {params.width, params.height, 1});
-        });
+    const AdaptiveInputs& counts) {
+    return add_rounds(graph, in, params,
+        {.reason = "shades as many samples as each pixel's count says",
+            .most = params.m * params.m,
+            .declare = [=](PassBuilder& pass) { read_counts(pass, counts); },
+            .run =
+                [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
+                    const std::string shader = variant("surface/shade.comp", "loop", continued, in);
+                    commands.dispatch_over(
+                        kernel(shader, in, push), {params.width, params.height, 1});
+                }});
 }
 
 ImageHandle add_shade_buckets(Graph& graph, const ShadingInputs& in, const ShadingParams& params,
-    ImageHandle first_sample, const Buckets& buckets) {
-    return add_rounds(
-        graph, in, params, params.m * params.m, "shades the pixels of each count together",
-        [=](PassBuilder& pass) {
-            pass.read("first_sample", first_sample)
-                .read("bucket_table", buckets.table)
-                .read("pixel_list", buckets.list)
-                .indirect(buckets.arguments);
-        },
-        [in, buckets](Commands& commands, shader::ShadePush push) {
-            const std::string shader = shade_variant("buckets", push, in);
-            const std::uint32_t n = push.count;
-            // The dearest pixels first: what is left over at the end of a dispatch is then cheap.
-            for (push.count = n; push.count >= 2; --push.count) {
-                if (push.count <= push.first) break; // done in an earlier round
-                commands.dispatch_indirect(
-                    {.shader = shader,
-                        .specialization = light_specialization(in.scene.scene->facts()),
-                        .push = as_push(push)},
-                    buckets.arguments, (push.count - 1) * sizeof(shader::DispatchArguments));
-            }
-        });
+    const AdaptiveInputs& counts, const Buckets& buckets) {
+    return add_shade_list(graph, in, params, counts, buckets, true,
+        "shades the pixels of each count together, one dispatch per count");
+}
+
+ImageHandle add_shade_sorted(Graph& graph, const ShadingInputs& in, const ShadingParams& params,
+    const AdaptiveInputs& counts, const Buckets& buckets) {
+    return add_shade_list(graph, in, params, counts, buckets, false,
+        "shades the pixels sorted by count, in one dispatch");
+}
+
+ImageHandle add_shade_repacked(Graph& graph, const ShadingInputs& in, const ShadingParams& params,
+    const AdaptiveInputs& counts, const TileList& tiles) {
+    return add_rounds(graph, in, params,
+        {.reason = "spreads the samples of each tile over all lanes, whoever's pixel they are of",
+            .most = params.m * params.m,
+            .declare =
+                [=](PassBuilder& pass) {
+                    read_counts(pass, counts);
+                    pass.read("tile_list", tiles.list).indirect(tiles.arguments);
+                },
+            .run =
+                [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
+                    const std::string shader =
+                        variant("surface/shade_repack.comp", "", continued, in);
+                    commands.dispatch_indirect(kernel(shader, in, push), tiles.arguments, 0);
+                }});
+}
+
+ImageHandle add_shade_tested(Graph& graph, const ShadingInputs& in, const ShadingParams& params,
+    const AdaptiveInputs& counts, CountTest test) {
+    const bool stencil = test == CountTest::stencil;
+    ImageHandle target = graph.create_image(stencil ? "count_stencil" : "count_depth",
+        {.format = stencil ? VK_FORMAT_S8_UINT : VK_FORMAT_D32_SFLOAT,
+            .width = params.width,
+            .height = params.height});
+    const auto declare = [=](PassBuilder& pass) mutable {
+        read_counts(pass, counts, Stage::fragment);
+        // Each round writes it by its first draw and tests it in the others.
+        target = stencil ? pass.stencil(target, 0) : pass.depth(target, 0.0f);
+    };
+    const auto run = [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
+        constexpr const char* kPlane = "schedule/count_plane.vert";
+        commands.bind({.vertex_shader = kPlane,
+            .fragment_shader =
+                stencil ? "schedule/count_target.frag:stencil" : "schedule/count_target.frag",
+            .depth_test = !stencil,
+            .depth_write = !stencil,
+            .stencil_write = stencil});
+        commands.push(as_push(push));
+        commands.draw(3);
+        const std::string shader = variant("surface/shade.frag", "", continued, in);
+        commands.bind({.vertex_shader = kPlane,
+            .fragment_shader = shader,
+            .specialization = light_specialization(in.scene.scene->facts()),
+            .depth_test = !stencil,
+            .depth_write = false,
+            .depth_equal = !stencil,
+            .stencil_equal = stencil});
+        for (push.count = params.m * params.m; push.count >= std::max(2u, push.first + 1);
+             --push.count) {
+            commands.set_stencil(static_cast<std::uint8_t>(push.count));
+            commands.push(as_push(push));
+            commands.draw(3);
+        }
+    };
+    return add_rounds(graph, in, params,
+        {.reason = fmt::format("draws once per count, {} test stops the pixels of other counts",
+             stencil ? "the stencil" : "the depth"),
+            .raster = true,
+            .most = params.m * params.m,
+            .declare = declare,
+            .run = run});
 }
 
 } // namespace ockham

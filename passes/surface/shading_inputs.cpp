@@ -7,23 +7,21 @@
 
 namespace ockham {
 
-void read_shading(PassBuilder& pass, const ShadingInputs& in) {
+void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage) {
     const SceneFacts& facts = in.scene.scene->facts();
-    pass.read("frame", in.scene.frame)
-        .sample("gbuffer", in.gbuffer.surface)
-        .sample("gbuffer_depth", in.gbuffer.depth)
-        .read("materials", in.scene.handles.materials)
-        .read("lights", in.scene.handles.lights);
-    if (in.gbuffer.extra) pass.sample("gbuffer_extra", in.gbuffer.extra);
+    pass.read("frame", in.scene.frame, stage)
+        .sample("gbuffer", in.gbuffer.surface, stage)
+        .sample("gbuffer_depth", in.gbuffer.depth, stage)
+        .read("materials", in.scene.handles.materials, stage)
+        .read("lights", in.scene.handles.lights, stage);
+    if (in.gbuffer.extra) pass.sample("gbuffer_extra", in.gbuffer.extra, stage);
     if (facts.color_textures) {
-        pass.sample("color_textures", in.scene.handles.color_textures, Stage::compute,
-            Filter::linear_repeat);
-    }
-    if (facts.shading_data_textures) {
         pass.sample(
-            "data_textures", in.scene.handles.data_textures, Stage::compute, Filter::linear_repeat);
+            "color_textures", in.scene.handles.color_textures, stage, Filter::linear_repeat);
     }
-    if (in.shadow_map) pass.sample("shadow_map", in.shadow_map);
+    if (facts.shading_data_textures)
+        pass.sample("data_textures", in.scene.handles.data_textures, stage, Filter::linear_repeat);
+    if (in.shadow_map) pass.sample("shadow_map", in.shadow_map, stage);
 }
 
 std::string shading_variant(

@@ -23,7 +23,7 @@ struct ShadingParams {
 };
 
 /// Declares everything that shaders/surface/shade_sample.glsl reads.
-void read_shading(PassBuilder& pass, const ShadingInputs& in);
+void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage = Stage::compute);
 /// `shader` with the scene's features; `mode`: an extra leading feature, or empty.
 std::string shading_variant(
     std::string_view shader, std::string_view mode, const ShadingInputs& in);

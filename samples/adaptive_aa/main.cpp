@@ -14,6 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <charconv>
 #include <cmath>
 
 using namespace ockham;
@@ -30,6 +31,7 @@ struct Options {
     std::string metric = "paper";
     std::string order = "paper";
     std::string dispatch = "buckets";
+    std::string k_levels = "all", k_filter;
     std::string resolve = "prefix";
     std::string gbuffer = "packed";
     std::string preset = "paper";
@@ -69,7 +71,12 @@ void declare(Params& params, Options& o) {
         "metric paper: so do ranges below this share of the brightest")
         .range(0, 1);
     add("order", &o.order, "order of a window's samples").choices({"paper"});
-    add("dispatch", &o.dispatch, "how pixels meet their samples").choices({"loop", "buckets"});
+    add("dispatch", &o.dispatch, "how pixels of unequal counts meet the lanes of the device")
+        .choices({"loop", "buckets", "repack", "stencil", "depth", "sort"});
+    add("k-levels", &o.k_levels, "counts: all, or rounded up to powers of two and m x m")
+        .choices({"all", "pow2"});
+    add("k-filter", &o.k_filter,
+        "max:N, N 1 to 64: N x N pixels share the largest of their counts");
     add("resolve", &o.resolve, "how samples become a pixel").choices({"prefix"});
     add("gbuffer", &o.gbuffer, "layout of the G-buffer").choices({"packed"});
     add("anisotropy", &o.anisotropy, "most texture taps per lookup").range(1, 16);
@@ -85,6 +92,18 @@ void declare(Params& params, Options& o) {
     add_run_flags(params, o.common);
 }
 
+/// Block size of "max:N"; empty: 1.
+std::uint32_t parse_k_filter(const std::string& text) {
+    if (text.empty()) return 1;
+    std::uint32_t block = 0;
+    const char* end = text.data() + text.size();
+    if (!text.starts_with("max:") ||
+        std::from_chars(text.data() + 4, end, block) != std::from_chars_result{end, std::errc{}} ||
+        block < 1 || block > 64)
+        fail_input("--k-filter: expected max:N with N from 1 to 64, found '{}'", text);
+    return block;
+}
+
 AdaptiveAaParams picture_params(const Options& o) {
     AdaptiveAaParams p;
     p.width = static_cast<std::uint32_t>(o.common.width);
@@ -97,7 +116,14 @@ AdaptiveAaParams picture_params(const Options& o) {
                : o.method == "ssaa"    ? AaMethod::ssaa
                                        : AaMethod::adaptive;
     p.k = static_cast<std::uint32_t>(o.k);
-    p.dispatch = o.dispatch == "loop" ? Dispatch::loop : Dispatch::buckets;
+    p.dispatch = o.dispatch == "loop"      ? Dispatch::loop
+                 : o.dispatch == "repack"  ? Dispatch::repack
+                 : o.dispatch == "stencil" ? Dispatch::stencil
+                 : o.dispatch == "depth"   ? Dispatch::depth
+                 : o.dispatch == "sort"    ? Dispatch::sort
+                                           : Dispatch::buckets;
+    p.powers_of_two = o.k_levels == "pow2";
+    p.count_block = parse_k_filter(o.k_filter);
     p.metrics = default_metrics(p.m);
     if (o.depth_weight >= 0) p.metrics.depth_weight = o.depth_weight;
     if (o.normal_weight >= 0) p.metrics.normal_weight = o.normal_weight;

@@ -8,7 +8,7 @@
 OCKHAM_SHARED_BEGIN
 
 struct ShadePush {
-    uint count;   ///< k, samples per pixel; unused where a map gives it
+    uint count;   ///< k, samples per pixel, where no map gives it; of a list: which range
     uint first;   ///< this dispatch sums the samples first ... last-1 of each pixel
     uint last;
     uint stall;   ///< dependent FMAs per shaded sample, rounded up to whole iterations of 16

@@ -414,11 +414,57 @@ TEST_F(AdaptiveAaTest, PlanHoldsWhatTheSceneNeedsAndSaysWhyNot) {
     p.dispatch = Dispatch::loop;
     AdaptiveAa loop(device(), lit, front, p);
     EXPECT_FALSE(runs(loop, "bucket_count"));
-    EXPECT_NE(explanation(loop).find("--dispatch loop"), std::string::npos);
+    EXPECT_NE(explanation(loop).find("only --dispatch buckets and sort"), std::string::npos);
 
     AdaptiveAa full(device(), varied(), camera(), params(16, 16, 2, AaMethod::adaptive));
     for (const char* present : {"color_textures", "data_textures", "gbuffer.extra"})
         EXPECT_TRUE(has(full, present)) << present;
+}
+
+TEST_F(AdaptiveAaTest, CountsAreCoarsenedOnlyOnRequest) {
+    AdaptiveAaParams p = params(40, 24, 3, AaMethod::adaptive);
+    p.export_counts = true;
+    AdaptiveAa fine(device(), varied(), camera(), p);
+    fine.execute();
+    EXPECT_FALSE(runs(fine, "coarsen"));
+    p.powers_of_two = true;
+    AdaptiveAa powers(device(), varied(), camera(), p);
+    powers.execute();
+    EXPECT_TRUE(runs(powers, "coarsen"));
+    const auto counts = powers.sample_counts();
+    for (const std::uint32_t k : {3u, 5u, 6u, 7u}) EXPECT_EQ(counts.histogram[k - 1], 0u) << k;
+    EXPECT_GT(counts.histogram[8], 0u) << "n stays";
+    p.powers_of_two = false;
+    p.count_block = 8;
+    AdaptiveAa blocks(device(), varied(), camera(), p);
+    blocks.execute();
+    EXPECT_EQ(blocks.sample_counts().histogram[0] % 64, 0u);
+    for (AdaptiveAa* coarse : {&powers, &blocks})
+        EXPECT_GT(coarse->sample_counts().percent, fine.sample_counts().percent);
+}
+
+TEST_F(AdaptiveAaTest, EveryBackEndRunsOnlyItsOwnPasses) {
+    AdaptiveAaParams p = params(40, 24, 2, AaMethod::adaptive);
+    const Image loop = [&] {
+        p.dispatch = Dispatch::loop;
+        return render(p);
+    }();
+    for (const Dispatch dispatch :
+        {Dispatch::buckets, Dispatch::repack, Dispatch::stencil, Dispatch::depth, Dispatch::sort}) {
+        p.dispatch = dispatch;
+        if (dispatch == Dispatch::stencil && !device().exports_stencil()) {
+            const std::string text =
+                error_of([&] { AdaptiveAa aa(device(), varied(), camera(), p); });
+            EXPECT_NE(text.find("VK_EXT_shader_stencil_export"), std::string::npos) << text;
+            continue;
+        }
+        AdaptiveAa aa(device(), varied(), camera(), p);
+        aa.execute();
+        EXPECT_TRUE(equal_bits(aa.picture(), loop)) << static_cast<int>(dispatch);
+        EXPECT_EQ(runs(aa, "tile_list"), dispatch == Dispatch::repack);
+        EXPECT_EQ(runs(aa, "bucket_scatter"),
+            dispatch == Dispatch::buckets || dispatch == Dispatch::sort);
+    }
 }
 
 /// What the plan takes today: a change that adds barriers or bytes must say so here.

@@ -79,7 +79,12 @@ protected:
                 ASSERT_EQ(bench_.read<std::uint32_t>(buckets_.list), expected.list);
                 const auto table = bench_.read<shader::Bucket>(buckets_.table);
                 const auto arguments = bench_.read<shader::DispatchArguments>(buckets_.arguments);
-                ASSERT_EQ(table.size(), n_);
+                ASSERT_EQ(table.size(), n_ + 1);
+                // The last range holds the items of count 2 and more.
+                EXPECT_EQ(table[n_].first, expected.counts[0]);
+                EXPECT_EQ(table[n_].count, size_.width * size_.height - expected.counts[0]);
+                EXPECT_EQ(arguments[n_].x * arguments[n_].y, (table[n_].count + 63) / 64);
+                EXPECT_EQ(arguments[n_].z, 1u);
                 std::uint32_t first = 0;
                 for (std::uint32_t b = 0; b < n_; ++b) {
                     ASSERT_EQ(table[b].count, expected.counts[b]) << "bucket " << b;

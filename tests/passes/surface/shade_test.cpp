@@ -9,6 +9,7 @@
 #include "tests/support/scene_bench.hpp"
 #include "tests/support/surface_scenes.hpp"
 
+#include <bit>
 #include <cmath>
 
 namespace ockham::test {
@@ -73,37 +74,109 @@ TEST_F(ShadeTest, UniformTakesTheFirstSamplesOfTheOrder) {
     }
 }
 
-TEST_F(ShadeTest, AnyMapOfCountsGivesTheSameSumsByLoopAndBuckets) {
+constexpr Dispatch kBackEnds[] = {Dispatch::loop, Dispatch::buckets, Dispatch::repack,
+    Dispatch::stencil, Dispatch::depth, Dispatch::sort};
+
+/// Sums by one back end for any map of counts, as bits of the floats; 0 where k = 1.
+class BackEndBench {
+public:
+    BackEndBench(gpu::Device& device, const Scene& scene, std::uint32_t width, std::uint32_t height,
+        std::uint32_t m, Dispatch dispatch, std::uint32_t stall = 0)
+        : bench_(device, scene, scene.cameras.front(), width, height, m,
+              paper_order(static_cast<int>(m))) {
+        const ShadingInputs in{.scene = bench_.inputs,
+            .gbuffer = add_gbuffer(bench_.graph, bench_.inputs, {width, height, m}, 16384),
+            .shadow_map = {}};
+        const ShadingParams shading{.width = width, .height = height, .m = m, .stall = stall};
+        counts_ = bench_.image("sample_count", VK_FORMAT_R8_UINT, width, height,
+            std::vector<std::uint8_t>(std::size_t{width} * height, 1));
+        sum_ = add(in, shading, {add_first_sample(bench_.graph, in, shading), counts_}, dispatch);
+        bench_.graph.export_resource(sum_, "test");
+    }
+
+    std::vector<std::uint32_t> sums(const std::vector<std::uint8_t>& map) {
+        bench_.set(counts_, map);
+        bench_.execute();
+        const std::vector<float> sums = interleaved(bench_.read(sum_));
+        std::vector<std::uint32_t> bits(sums.size());
+        for (std::size_t i = 0; i < sums.size(); ++i)
+            bits[i] = map[i / 4] == 1 ? 0 : std::bit_cast<std::uint32_t>(sums[i]);
+        return bits;
+    }
+
+private:
+    ImageHandle add(const ShadingInputs& in, const ShadingParams& shading,
+        const AdaptiveInputs& counts, Dispatch dispatch) {
+        Graph& graph = bench_.graph;
+        const auto buckets = [&] {
+            return add_buckets(
+                graph, counts.sample_count, {shading.width, shading.height, shading.m * shading.m});
+        };
+        switch (dispatch) {
+        case Dispatch::loop:
+            break;
+        case Dispatch::buckets:
+            return add_shade_buckets(graph, in, shading, counts, buckets());
+        case Dispatch::sort:
+            return add_shade_sorted(graph, in, shading, counts, buckets());
+        case Dispatch::repack:
+            return add_shade_repacked(graph, in, shading, counts,
+                add_tile_list(graph, counts.sample_count, shading.width, shading.height));
+        case Dispatch::stencil:
+            return add_shade_tested(graph, in, shading, counts, CountTest::stencil);
+        case Dispatch::depth:
+            return add_shade_tested(graph, in, shading, counts, CountTest::depth);
+        }
+        return add_shade_loop(graph, in, shading, counts);
+    }
+
+    SceneBench bench_;
+    ImageHandle counts_, sum_;
+};
+
+/// Maps that are easy to get wrong: all 1, all n, one pixel n, everything mixed.
+std::vector<std::vector<std::uint8_t>> hard_maps(std::size_t pixels, std::uint32_t n) {
+    const auto most = static_cast<std::uint8_t>(n);
+    std::vector<std::vector<std::uint8_t>> maps(4, std::vector<std::uint8_t>(pixels, 1));
+    maps[1].assign(pixels, most);
+    maps[2][pixels / 2] = most;
+    Pcg32 rng(n);
+    for (std::uint8_t& k : maps[3]) k = static_cast<std::uint8_t>(1 + rng.below(n));
+    return maps;
+}
+
+TEST_F(ShadeTest, AnyMapOfCountsGivesTheSameSumsByEveryBackEnd) {
     const Scene scene = varied_scene();
-    constexpr std::uint32_t kWidth = 19, kHeight = 13;
-    for (const std::uint32_t m : {2u, 3u, 4u, 8u}) {
-        const std::uint32_t n = m * m;
-        Pcg32 rng(m);
-        std::vector<std::uint8_t> map(kWidth * kHeight);
-        for (std::uint8_t& k : map) k = static_cast<std::uint8_t>(1 + rng.below(n));
-        std::vector<float> sums[2];
-        for (const bool buckets : {false, true}) {
-            SceneBench bench(device(), scene, scene.cameras.front(), kWidth, kHeight, m,
-                paper_order(static_cast<int>(m)));
-            const ShadingInputs in{.scene = bench.inputs,
-                .gbuffer = add_gbuffer(bench.graph, bench.inputs, {kWidth, kHeight, m}, 16384),
-                .shadow_map = {}};
-            const ShadingParams shading{.width = kWidth, .height = kHeight, .m = m};
-            const ImageHandle counts =
-                bench.image("sample_count", VK_FORMAT_R8_UINT, kWidth, kHeight, map);
-            const ImageHandle s = add_first_sample(bench.graph, in, shading);
-            const ImageHandle sum =
-                buckets ? add_shade_buckets(bench.graph, in, shading, s,
-                              add_buckets(bench.graph, counts, {kWidth, kHeight, n}))
-                        : add_shade_loop(bench.graph, in, shading, s, counts);
-            bench.graph.export_resource(sum, "test");
-            bench.execute();
-            sums[buckets ? 1 : 0] = interleaved(bench.read(sum));
+    struct Case {
+        std::uint32_t width, height, m;
+    };
+    for (const auto& [width, height, m] :
+        {Case{19, 13, 4}, {11, 9, 8}, {1, 1, 4}, {7, 5, 3}, {8191, 1, 2}}) {
+        const auto maps = hard_maps(std::size_t{width} * height, m * m);
+        std::vector<std::vector<std::uint32_t>> expected;
+        for (const Dispatch dispatch : kBackEnds) {
+            if (dispatch == Dispatch::stencil && !device().exports_stencil()) continue;
+            SCOPED_TRACE(testing::Message() << width << "x" << height << ", m = " << m
+                                            << ", back end " << static_cast<int>(dispatch));
+            BackEndBench bench(device(), scene, width, height, m, dispatch);
+            for (std::size_t i = 0; i < maps.size(); ++i) {
+                const auto sums = bench.sums(maps[i]);
+                if (dispatch == Dispatch::loop) expected.push_back(sums);
+                EXPECT_EQ(sums, expected[i]) << "map " << i;
+            }
         }
-        for (std::size_t i = 0; i < sums[0].size(); ++i) {
-            if (map[i / 4] == 1) continue; // left undefined: S has it
-            ASSERT_EQ(sums[0][i], sums[1][i]) << "m = " << m << ", k = " << int{map[i / 4]};
-        }
+    }
+}
+
+TEST_F(ShadeTest, RoundsContinueTheSameSumsInEveryBackEnd) {
+    const Scene scene = varied_scene();
+    const auto map = hard_maps(11 * 9, 16).back();
+    const auto expected = BackEndBench(device(), scene, 11, 9, 4, Dispatch::loop).sums(map);
+    for (const Dispatch dispatch : kBackEnds) {
+        if (dispatch == Dispatch::stencil && !device().exports_stencil()) continue;
+        // 10,000 iterations of stall: four samples fit one kernel.
+        BackEndBench bench(device(), scene, 11, 9, 4, dispatch, 16 * 10000);
+        EXPECT_EQ(bench.sums(map), expected) << "back end " << static_cast<int>(dispatch);
     }
 }
 
