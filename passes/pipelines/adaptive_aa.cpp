@@ -8,6 +8,7 @@
 #include "passes/surface/first_sample.hpp"
 #include "passes/surface/resolve.hpp"
 #include "passes/surface/shade.hpp"
+#include "passes/surface/sraa.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -50,6 +51,7 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
     if (n == 1 && !filters_picture(params.method)) params.method = AaMethod::none;
     if (params.order.empty()) {
         const bool partial = params.method == AaMethod::adaptive ||
+                             params.method == AaMethod::sraa ||
                              (params.method == AaMethod::uniform && params.k < n);
         params.order =
             partial ? paper_order(static_cast<int>(params.m)) : row_major_order(params.m);
@@ -127,6 +129,15 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
         if (params.method == AaMethod::smaa)
             out.radiance = add_smaa_picture(graph, out.first_sample);
         return out;
+    case AaMethod::sraa: {
+        const std::string reason = "--method sraa shades one sample of every pixel";
+        omit_adaptive_passes(graph, reason);
+        graph.omit_pass("shade", reason);
+        graph.omit_pass("resolve", reason);
+        out.first_sample = add_first_sample(graph, in, shading);
+        out.radiance = add_sraa(graph, {in.scene.frame, in.gbuffer, out.first_sample});
+        return out;
+    }
     case AaMethod::uniform:
     case AaMethod::ssaa: {
         const std::string reason =
@@ -263,7 +274,9 @@ AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {
     SampleCounts counts;
     counts.histogram.assign(n, 0);
     if (params_.method != AaMethod::adaptive) {
-        const std::uint32_t k = n == 1 ? 1 : params_.k;
+        const bool counted =
+            params_.method == AaMethod::uniform || params_.method == AaMethod::ssaa;
+        const std::uint32_t k = counted ? params_.k : 1;
         counts.histogram[k - 1] = pixels;
         counts.mean = k;
         counts.percent = counts.shaded_percent = 100.0 * k / n;

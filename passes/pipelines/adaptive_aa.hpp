@@ -22,6 +22,7 @@ enum class AaMethod {
     none,     ///< one sample per pixel, whatever m
     fxaa,     ///< the same, smoothed along the edges that the picture shows
     smaa,     ///< likewise
+    sraa,     ///< one sample per pixel, spread over m x m geometry
     uniform,  ///< the same k everywhere
     ssaa,     ///< all m x m samples
     adaptive, ///< k by the metrics

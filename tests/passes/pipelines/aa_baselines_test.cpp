@@ -49,6 +49,7 @@ TEST_F(AaBaselinesTest, FiltersComeCloserToSupersamplingThanOneSample) {
     const double none = psnr(AaMethod::none);
     EXPECT_GT(psnr(AaMethod::fxaa), none + 3.0);
     EXPECT_GT(psnr(AaMethod::smaa), none + 5.0);
+    EXPECT_GT(psnr(AaMethod::sraa), none + 10.0) << "has 4 x 4 geometry";
 }
 
 TEST_F(AaBaselinesTest, FiltersShadeOneSamplePerPixelWhateverM) {
