@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where adaptive anti-aliasing breaks, in scenes with textures, shadows and highlights: fences that
+// recede, leaf cards, shadow edges. The numbers of the rows are those of docs/testing.md; what
+// needs flat colours only is in aa_failures_test.cpp.
+#include "framework/scene/builtin.hpp"
+#include "tests/passes/pipelines/aa_failures.hpp"
+
+#include <numbers>
+
+namespace ockham::test {
+namespace {
+
+class AaFailuresScenes : public AaFailures {};
+
+// Row 3: fences that run to the horizon. Their far ends are smaller than a pixel.
+TEST_F(AaFailuresScenes, FenceToTheHorizon) {
+    constexpr int kWidth = 96, kHeight = 72, kTop = 30, kRows = 8; // the horizon: row 34
+    const LitScene lit(device(), builtin_scene("fence"));
+    const Camera& camera = lit.scene().cameras.front();
+    const double right = mean(truth(lit, camera, kWidth, kHeight), kTop, kRows);
+    const auto error = [&](const Picture& picture) {
+        return std::abs(mean(picture.radiance, kTop, kRows) / right - 1.0);
+    };
+    const Picture picture = render(lit, camera, paper(kWidth, kHeight));
+    EXPECT_LT(error(picture), 0.01);
+    EXPECT_GT(picture.percent, 25.0) << "no bound: whatever has depth gets all samples";
+    int full = 0;
+    for (int x = 0; x < kWidth; ++x) full += picture.k(x, 33) == 16;
+    EXPECT_GT(full, kWidth / 3) << "at the horizon";
+}
+
+// Row 13: cards with a disc cut out by alpha, of 24 to 3 pixels.
+TEST_F(AaFailuresScenes, LeafCardsKeepTheirCoverage) {
+    constexpr int kSize = 96, kSide = 128;
+    for (const float card : {24.0f, 12.0f, 6.0f, 3.0f}) {
+        SCOPED_TRACE(card);
+        Scene scene;
+        scene.materials = {unlit_material()};
+        scene.materials[0].masked = true;
+        scene.materials[0].base_color_texture.image =
+            add_image(scene, kSide, kSide, [](int x, int y) {
+                const double dx = x + 0.5 - kSide / 2, dy = y + 0.5 - kSide / 2;
+                const double inside = 0.4 * kSide - std::sqrt(dx * dx + dy * dy);
+                const double alpha = std::clamp(inside + 0.5, 0.0, 1.0);
+                return glm::u8vec4(255, 255, 255, static_cast<unsigned char>(255 * alpha + 0.5));
+            });
+        int cards = 0;
+        const float step = 1.25f * card + 0.13f; // every place in the pixel's grid
+        for (float y = 1; y + card < kSize; y += step)
+            for (float x = 1; x + card < kSize; x += step, ++cards)
+                add(scene, rectangle({x, y, 0}, {card, 0, 0}, {0, card, 0}));
+        const double disc = std::numbers::pi * 0.4 * card * 0.4 * card * cards;
+        const LitScene lit(device(), scene);
+        const Camera camera = pixel_camera(kSize, kSize);
+        const auto covered = [&](const AdaptiveAaParams& p) {
+            return mean(render(lit, camera, p).radiance, 0, kSize) * kSize * kSize;
+        };
+        // At 3 pixels the samples ask for an image of 12 texels: half a texel of the rim is 5 %.
+        const double tolerance = card > 3 ? 0.02 : 0.06;
+        EXPECT_NEAR(covered(all_samples(kSize, kSize)) / disc, 1.0, tolerance);
+        EXPECT_NEAR(covered(paper(kSize, kSize)) / disc, 1.0, tolerance);
+    }
+}
+
+// Row 22: a hard shadow on a flat wall, of something out of sight.
+TEST_F(AaFailuresScenes, ShadowEdgeOnAFlatWall) {
+    constexpr int kSize = 32, kEdge = 25; // row of the edge: 6.3 from below
+    Scene scene;
+    scene.materials = {Material{}};
+    scene.materials[0].metallic = 0;
+    add(scene, rectangle({-2, -2, 0}, {36, 0, 0}, {0, 36, 0}));
+    add(scene, rectangle({-10, 46.3f, 40}, {52, 0, 0}, {0, 40, 0}));
+    scene.materials[0].double_sided = true;
+    scene.ambient = glm::vec3(0.05f);
+    scene.lights.push_back({.name = "sun",
+        .type = LightType::directional,
+        .direction = glm::normalize(glm::vec3(0, -1, -1)),
+        .intensity = glm::vec3(2.0f),
+        .casts_shadow = true});
+    const LitScene lit(device(), scene);
+    const Camera camera = pixel_camera(kSize, kSize);
+    const Image full = render(lit, camera, all_samples(kSize, kSize)).radiance;
+    ASSERT_LT(full.at(16, 5, 1), 0.2f * full.at(16, 30, 1)) << "shadow above, light below";
+    const auto near_edge = [](int, int y) { return std::abs(y - kEdge) <= 1; };
+    const auto off_edge = [&](int x, int y) { return !near_edge(x, y); };
+    AdaptiveAaParams p = paper(kSize, kSize);
+    const Picture picture = render(lit, camera, p);
+    for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x)
+            EXPECT_EQ(picture.k(x, y) > 1, near_edge(x, y)) << x << ", " << y;
+    EXPECT_LT(largest_error(picture.radiance, full, off_edge), 1e-5f);
+    p.metrics.shading_weight = 0;
+    EXPECT_EQ(render(lit, camera, p).most(), 1) << "nothing in the G-buffer shows it";
+}
+
+} // namespace
+} // namespace ockham::test
