@@ -255,6 +255,13 @@ void CommandsImpl::set_stencil(std::uint8_t reference) {
     vkCmdSetStencilReference(commands_, VK_STENCIL_FACE_FRONT_AND_BACK, reference);
 }
 
+void CommandsImpl::set_viewport(glm::ivec2 origin, glm::uvec2 extent) {
+    expect_kind(PassKind::raster, "set_viewport()");
+    const VkViewport viewport{static_cast<float>(origin.x), static_cast<float>(origin.y),
+        static_cast<float>(extent.x), static_cast<float>(extent.y), 0.0f, 1.0f};
+    vkCmdSetViewport(commands_, 0, 1, &viewport);
+}
+
 void CommandsImpl::push(std::span<const std::byte> values) {
     expect_pipeline("push()");
     push_constants(*raster_, values);
@@ -381,6 +388,9 @@ void Commands::set_cull(Cull mode, bool front_is_clockwise) {
     impl_->set_cull(mode, front_is_clockwise);
 }
 void Commands::set_stencil(std::uint8_t reference) { impl_->set_stencil(reference); }
+void Commands::set_viewport(glm::ivec2 origin, glm::uvec2 extent) {
+    impl_->set_viewport(origin, extent);
+}
 void Commands::push(std::span<const std::byte> values) { impl_->push(values); }
 void Commands::bind_indices(const BufferPart& indices) { impl_->bind_indices(indices); }
 void Commands::draw(std::uint32_t vertices, std::uint32_t instances, std::uint32_t first_vertex,

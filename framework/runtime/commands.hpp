@@ -63,12 +63,14 @@ public:
         const ComputeCall& call, BufferHandle arguments, std::uint64_t offset_bytes);
 
     /// Raster passes: bind state, then draw; push after bind where the shaders have push constants.
-    /// Viewport and scissor cover the attachments. Vertices are pulled from storage buffers by
-    /// gl_VertexIndex, so there is no vertex layout.
+    /// Viewport and scissor cover the attachments, the viewport until set. Vertices are pulled from
+    /// storage buffers by gl_VertexIndex, so there is no vertex layout.
     void bind(const RasterCall& call);
     enum class Cull { none, back };
     void set_cull(Cull mode, bool front_is_clockwise = false);
     void set_stencil(std::uint8_t reference); ///< 0 until then
+    /// May reach beyond the attachments on all sides: they show part of a larger picture.
+    void set_viewport(glm::ivec2 origin, glm::uvec2 extent);
     void push(std::span<const std::byte> values); ///< for the bound raster pipeline
     void bind_indices(const BufferPart& indices); ///< 32-bit
     void draw(std::uint32_t vertices, std::uint32_t instances = 1, std::uint32_t first_vertex = 0,

@@ -39,6 +39,7 @@ public:
     void bind(const RasterCall& call);
     void set_cull(Commands::Cull mode, bool front_is_clockwise);
     void set_stencil(std::uint8_t reference);
+    void set_viewport(glm::ivec2 origin, glm::uvec2 extent);
     void push(std::span<const std::byte> values);
     void bind_indices(const BufferPart& indices);
     void draw(std::uint32_t vertices, std::uint32_t instances, std::uint32_t first_vertex,

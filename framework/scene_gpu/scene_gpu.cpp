@@ -8,6 +8,7 @@
 #include "framework/scene_gpu/imports.hpp"
 #include "framework/scene_gpu/texture_array.hpp"
 #include "shaders/shared/scene.h"
+#include "shaders/surface/gbuffer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -235,6 +236,20 @@ InstanceGroups group_instances(const Scene& scene) {
     return out;
 }
 
+std::uint32_t blocks_of(const Primitive& primitive) {
+    const auto triangles = static_cast<std::uint32_t>(primitive.indices.size() / 3);
+    return (triangles + TRIANGLES_PER_BLOCK - 1) / TRIANGLES_PER_BLOCK;
+}
+
+void append_blocks(std::vector<shader::TriangleBlock>& out, const Draw& draw) {
+    for (std::uint32_t instance = 0; instance < draw.instance_count; ++instance) {
+        for (std::uint32_t block = 0; block < draw.blocks_per_instance; ++block) {
+            out.push_back({draw.first_index + 3 * TRIANGLES_PER_BLOCK * block, draw.vertex_offset,
+                draw.first_instance + instance, draw.material});
+        }
+    }
+}
+
 /// Makes the image in place, since the uploader remembers where it stands.
 void make_array(std::optional<gpu::Image>& image, gpu::Device& device, gpu::Uploader& uploader,
     const std::vector<TextureLayer>& layers, bool srgb, const char* name, std::uint64_t& bytes,
@@ -246,8 +261,9 @@ void make_array(std::optional<gpu::Image>& image, gpu::Device& device, gpu::Uplo
     const std::uint64_t texels = std::uint64_t{width} * height * layers.size();
     const std::uint64_t budget = device.allocator().budget_bytes();
     if (budget > 0 && texels * 16 / 3 > budget) {
-        fail_device("{}: {} images padded to {} x {} texels need {} MiB with their mips, the memory "
-                    "budget is {} MiB; use smaller or fewer images, or raise --memory-budget",
+        fail_device(
+            "{}: {} images padded to {} x {} texels need {} MiB with their mips, the memory "
+            "budget is {} MiB; use smaller or fewer images, or raise --memory-budget",
             name, layers.size(), width, height, (texels * 16 / 3) >> 20, budget >> 20);
     }
     if (width > limits.image_extent || height > limits.image_extent ||
@@ -287,6 +303,7 @@ SceneGpu::SceneGpu(gpu::Device& device, const Scene& scene)
     const InstanceGroups instances = group_instances(scene);
     std::vector<float> vertices;
     std::vector<std::uint32_t> indices;
+    std::vector<shader::TriangleBlock> blocks(1); // ids start in the second
     std::vector<bool> material_used(scene.materials.size(), false);
     struct Range {
         std::uint32_t first_index;
@@ -312,9 +329,12 @@ SceneGpu::SceneGpu(gpu::Device& device, const Scene& scene)
                 .first_instance = group.first,
                 .instance_count = group.count,
                 .material = static_cast<std::uint32_t>(primitive.material),
+                .first_block = static_cast<std::uint32_t>(blocks.size()),
+                .blocks_per_instance = blocks_of(primitive),
                 .masked = scene.materials[material].masked,
                 .double_sided = scene.materials[material].double_sided,
                 .mirrored = group.mirrored});
+            append_blocks(blocks, draws_.back());
         }
     }
 
@@ -341,8 +361,10 @@ SceneGpu::SceneGpu(gpu::Device& device, const Scene& scene)
     const auto bytes_of = [](const auto& values) { return std::as_bytes(std::span(values)); };
     constexpr VkBufferUsageFlags kStorage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     make_buffer(vertices_, "vertices", bytes_of(vertices), kStorage);
-    make_buffer(indices_, "indices", bytes_of(indices), VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+    make_buffer(
+        indices_, "indices", bytes_of(indices), kStorage | VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
     if (!draws_.empty()) make_buffer(instances_, "instances", bytes_of(instances.table), kStorage);
+    make_buffer(triangle_blocks_, "triangle_blocks", bytes_of(blocks), kStorage);
     make_buffer(materials_, "materials", bytes_of(materials), kStorage);
     make_buffer(lights_, "lights", bytes_of(light_table(scene)), kStorage);
     make_array(color_textures_, device, uploader, color.layers(), true, "color_textures", bytes_,
@@ -354,15 +376,16 @@ SceneGpu::SceneGpu(gpu::Device& device, const Scene& scene)
 
 SceneHandles SceneGpu::import(Graph& graph) const {
     return {import_buffer(graph, vertices_), import_buffer(graph, indices_),
-        import_buffer(graph, instances_), import_buffer(graph, materials_),
-        import_buffer(graph, lights_), import_image(graph, color_textures_),
-        import_image(graph, data_textures_)};
+        import_buffer(graph, instances_), import_buffer(graph, triangle_blocks_),
+        import_buffer(graph, materials_), import_buffer(graph, lights_),
+        import_image(graph, color_textures_), import_image(graph, data_textures_)};
 }
 
 void SceneGpu::bind(Executor& executor, const SceneHandles& handles) const {
     bind_import(executor, handles.vertices, vertices_);
     bind_import(executor, handles.indices, indices_);
     bind_import(executor, handles.instances, instances_);
+    bind_import(executor, handles.triangle_blocks, triangle_blocks_);
     bind_import(executor, handles.materials, materials_);
     bind_import(executor, handles.lights, lights_);
     bind_import(executor, handles.color_textures, color_textures_);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene on the device: vertices, indices, instances, materials, lights and texture arrays, and
-// the list of draws. Made once per scene; graphs import its resources. Passes read the draw list
-// and the handles, never the Vulkan objects.
+// A scene on the device: vertices, indices, instances, blocks of triangles, materials, lights and
+// texture arrays, and the list of draws. Made once per scene; graphs import its resources. Passes
+// read the draw list and the handles, never the Vulkan objects.
 #pragma once
 
 #include "framework/gpu/buffer.hpp"
@@ -21,6 +21,8 @@ struct Draw {
     std::int32_t vertex_offset = 0;
     std::uint32_t first_instance = 0, instance_count = 0;
     std::uint32_t material = 0;
+    std::uint32_t first_block = 0; ///< of shader::TriangleBlock, of the first instance
+    std::uint32_t blocks_per_instance = 0;
     bool masked = false;
     bool double_sided = false;
     bool mirrored = false; ///< the instances' transforms turn front faces clockwise
@@ -37,7 +39,7 @@ struct VertexLayout {
 
 /// The scene's resources in one graph. Empty handles: the scene does not need them.
 struct SceneHandles {
-    BufferHandle vertices, indices, instances, materials, lights;
+    BufferHandle vertices, indices, instances, triangle_blocks, materials, lights;
     ImageHandle color_textures, data_textures;
 };
 
@@ -66,7 +68,8 @@ private:
     Bounds bounds_;
     std::uint64_t bytes_ = 0;
     std::uint64_t padding_bytes_ = 0;
-    std::optional<gpu::Buffer> vertices_, indices_, instances_, materials_, lights_;
+    std::optional<gpu::Buffer> vertices_, indices_, instances_, triangle_blocks_, materials_,
+        lights_;
     std::optional<gpu::Image> color_textures_, data_textures_;
 };
 

@@ -2,7 +2,6 @@
 #include "passes/debug/surface_aov.hpp"
 
 #include "framework/runtime/commands.hpp"
-#include "passes/shader_variant.hpp"
 
 namespace ockham {
 
@@ -16,14 +15,14 @@ SurfaceAov add_surface_aov(Graph& graph, BufferHandle frame, const Gbuffer& gbuf
     };
     PassBuilder pass = graph.add_compute_pass("surface_aov");
     pass.because("depth, normal and material were asked for as pictures");
-    pass.read("frame", frame)
-        .sample("gbuffer", gbuffer.surface)
-        .sample("gbuffer_depth", gbuffer.depth);
+    read_gbuffer(pass, gbuffer);
+    pass.read("frame", frame);
     out.surface = pass.write("aov_surface", out.surface);
     out.material = pass.write("aov_material", out.material);
-    pass.record([width, height](Commands& commands) {
+    pass.record([gbuffer, width, height](Commands& commands) {
+        const std::string shader = gbuffer_variant("debug/surface_aov.comp", "", gbuffer);
         commands.dispatch_over(
-            {.shader = "debug/surface_aov.comp", .specialization = {}, .push = {}},
+            {.shader = shader, .specialization = gbuffer_specialization(gbuffer), .push = {}},
             {width, height, 1});
     });
     return out;

@@ -188,7 +188,12 @@ AdaptiveAaOutputs add_adaptive_aa(
     Graph& graph, ShadingInputs in, const AdaptiveAaParams& wanted, std::uint32_t max_extent) {
     const AdaptiveAaParams params = settled(wanted);
     omit_what_the_scene_lacks(graph, in.scene.scene->facts());
-    in.gbuffer = add_gbuffer(graph, in.scene, {params.width, params.height, params.m}, max_extent);
+    in.gbuffer = add_gbuffer(graph, in.scene,
+        {.width = params.width,
+            .height = params.height,
+            .m = params.m,
+            .layout = params.gbuffer},
+        max_extent);
     const ShadingParams shading{.width = params.width,
         .height = params.height,
         .m = params.m,

@@ -38,6 +38,7 @@ struct AdaptiveAaParams {
     std::uint32_t count_block = 1;     ///< pixels per block and axis that share the largest count
     std::vector<std::uint32_t> order;  ///< samples by rank; empty: paper_order(m)
     MetricsParams metrics;             ///< its size is set from here
+    GbufferLayout gbuffer = GbufferLayout::packed;
     std::uint32_t stall = 0;           ///< dependent FMAs per shaded sample
     std::uint32_t anisotropy = 16;     ///< 1 ... 16
     bool aov = false;                  ///< export k, winner, S, depth, normal, material too

@@ -15,8 +15,10 @@ struct SceneInputs {
     BufferHandle frame; ///< shader::FrameData
 };
 
-/// Declares the buffers that shaders/surface/vertex.glsl pulls from.
+/// Declares the frame, and the buffers that shaders/surface/vertex.glsl pulls from.
 void read_vertices(PassBuilder& pass, const SceneInputs& in);
+/// The same where the shader looks indices up itself.
+void read_triangles(PassBuilder& pass, const SceneInputs& in);
 /// Specialisation of shaders/surface/vertex.glsl for the scene's vertices.
 Specialization vertex_specialization(const VertexLayout& layout);
 /// Which sides of single-sided materials are drawn.
@@ -24,5 +26,9 @@ enum class Sides { front, both };
 /// Draws what is opaque with one pipeline, then what is masked with the other.
 void record_draws(Commands& commands, const SceneInputs& in, const RasterCall& opaque,
     const RasterCall& masked, Sides sides);
+/// The same without an index buffer, three vertices a triangle, for
+/// shaders/surface/visibility.vert. `snap`: shader::VisibilityPush.
+void record_triangle_draws(Commands& commands, const SceneInputs& in, const RasterCall& opaque,
+    const RasterCall& masked, glm::vec2 snap);
 
 } // namespace ockham

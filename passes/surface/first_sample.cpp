@@ -24,7 +24,7 @@ ImageHandle add_first_sample(Graph& graph, const ShadingInputs& in, const Shadin
             .loop_bound = 1};
         const std::string shader = shading_variant("surface/first_sample.comp", "", in);
         commands.dispatch_over({.shader = shader,
-                                   .specialization = light_specialization(in.scene.scene->facts()),
+                                   .specialization = shading_specialization(in),
                                    .push = as_push(push)},
             {params.width, params.height, 1});
     });

@@ -108,7 +108,8 @@ shader::FrameData make_frame(const Scene& scene, const Bounds& bounds, const Cam
     frame.background = scene.background;
     frame.ambient = scene.ambient;
     frame.m = static_cast<std::uint32_t>(m);
-    frame.size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+    frame.size = frame.picture = {
+        static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
     std::copy(order.begin(), order.end(), frame.order);
 
     // Rows of the projection in terms of view coordinates (x right, y up, d forward).

@@ -2,7 +2,6 @@
 #include "passes/surface/metrics.hpp"
 
 #include "framework/runtime/commands.hpp"
-#include "passes/shader_variant.hpp"
 #include "shaders/surface/metrics.h"
 
 namespace ockham {
@@ -24,18 +23,18 @@ Metrics add_metrics(Graph& graph, const MetricsInputs& in, const MetricsParams& 
 
     PassBuilder pass = graph.add_compute_pass("metrics");
     pass.because("decides how many samples each pixel deserves");
-    pass.read("frame", in.frame)
-        .sample("gbuffer", in.gbuffer.surface)
-        .sample("gbuffer_depth", in.gbuffer.depth)
-        .sample("first_sample", in.first_sample);
+    read_gbuffer(pass, in.gbuffer);
+    pass.read("frame", in.frame).sample("first_sample", in.first_sample);
     out.sample_count = pass.write("sample_count", out.sample_count);
     if (params.winner) out.winner = pass.write("winner", out.winner);
-    pass.record([params](Commands& commands) {
+    pass.record([params, gbuffer = in.gbuffer](Commands& commands) {
         const shader::MetricsPush push{params.depth_weight, params.normal_weight,
             params.shading_weight, params.range_min, params.range_edge};
         const std::string shader =
-            shader_variant("surface/metrics.comp", {{"winner", params.winner}});
-        commands.dispatch_over({.shader = shader, .specialization = {}, .push = as_push(push)},
+            gbuffer_variant("surface/metrics.comp", params.winner ? "winner" : "", gbuffer);
+        commands.dispatch_over({.shader = shader,
+                                   .specialization = gbuffer_specialization(gbuffer),
+                                   .push = as_push(push)},
             {params.width, params.height, 1});
     });
     return out;

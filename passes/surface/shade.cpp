@@ -66,7 +66,7 @@ std::string variant(std::string_view shader, std::string mode, const std::string
 ComputeCall kernel(
     const std::string& shader, const ShadingInputs& in, const shader::ShadePush& push) {
     return {.shader = shader,
-        .specialization = light_specialization(in.scene.scene->facts()),
+        .specialization = shading_specialization(in),
         .push = as_push(push)};
 }
 
@@ -190,7 +190,7 @@ ImageHandle add_shade_tested(Graph& graph, const ShadingInputs& in, const Shadin
         const std::string shader = variant("surface/shade.frag", "", continued, in);
         commands.bind({.vertex_shader = kPlane,
             .fragment_shader = shader,
-            .specialization = light_specialization(in.scene.scene->facts()),
+            .specialization = shading_specialization(in),
             .depth_test = !stencil,
             .depth_write = false,
             .depth_equal = !stencil,

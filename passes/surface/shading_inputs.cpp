@@ -7,35 +7,48 @@
 
 namespace ockham {
 
+namespace {
+
+/// Packed normals are bumped already, ids are not.
+bool needs_data_textures(const ShadingInputs& in) {
+    const SceneFacts& facts = in.scene.scene->facts();
+    return in.gbuffer.layout == GbufferLayout::visibility ? facts.data_textures()
+                                                          : facts.shading_data_textures;
+}
+
+} // namespace
+
 void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage) {
     const SceneFacts& facts = in.scene.scene->facts();
-    pass.read("frame", in.scene.frame, stage)
-        .sample("gbuffer", in.gbuffer.surface, stage)
-        .sample("gbuffer_depth", in.gbuffer.depth, stage)
-        .read("materials", in.scene.handles.materials, stage)
-        .read("lights", in.scene.handles.lights, stage);
-    if (in.gbuffer.extra) pass.sample("gbuffer_extra", in.gbuffer.extra, stage);
+    const bool packed = in.gbuffer.layout == GbufferLayout::packed;
+    read_gbuffer(pass, in.gbuffer, stage);
+    pass.read("frame", in.scene.frame, stage).read("lights", in.scene.handles.lights, stage);
+    if (packed) pass.read("materials", in.scene.handles.materials, stage);
     if (facts.color_textures) {
         pass.sample(
             "color_textures", in.scene.handles.color_textures, stage, Filter::linear_repeat);
     }
-    if (facts.shading_data_textures)
+    if (packed && needs_data_textures(in))
         pass.sample("data_textures", in.scene.handles.data_textures, stage, Filter::linear_repeat);
     if (in.shadow_map) pass.sample("shadow_map", in.shadow_map, stage);
 }
 
 std::string shading_variant(
     std::string_view shader, std::string_view mode, const ShadingInputs& in) {
-    const SceneFacts& facts = in.scene.scene->facts();
     return shader_variant(
-        shader, {{mode, !mode.empty()}, {"color_textures", facts.color_textures},
-                    {"data_textures", facts.shading_data_textures}, {"shadow", bool(in.shadow_map)},
-                    {"extra", facts.extra_target()}});
+        shader, {{mode, !mode.empty()}, {"color_textures", in.scene.scene->facts().color_textures},
+                    {"data_textures", needs_data_textures(in)}, {"shadow", bool(in.shadow_map)},
+                    {"extra", bool(in.gbuffer.extra)},
+                    {"visibility", in.gbuffer.layout == GbufferLayout::visibility}});
 }
 
-Specialization light_specialization(const SceneFacts& facts) {
-    return {{SPEC_DIRECTIONAL_LIGHTS, facts.directional_lights > 0},
-        {SPEC_POINT_LIGHTS, facts.point_lights > 0}, {SPEC_SPOT_LIGHTS, facts.spot_lights > 0}};
+Specialization shading_specialization(const ShadingInputs& in) {
+    const SceneFacts& facts = in.scene.scene->facts();
+    Specialization out = gbuffer_specialization(in.gbuffer);
+    out.insert(out.end(), {{SPEC_DIRECTIONAL_LIGHTS, facts.directional_lights > 0},
+                              {SPEC_POINT_LIGHTS, facts.point_lights > 0},
+                              {SPEC_SPOT_LIGHTS, facts.spot_lights > 0}});
+    return out;
 }
 
 std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams& params) {

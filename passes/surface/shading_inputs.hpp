@@ -27,7 +27,8 @@ void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage = Stag
 /// `shader` with the scene's features; `mode`: an extra leading feature, or empty.
 std::string shading_variant(
     std::string_view shader, std::string_view mode, const ShadingInputs& in);
-Specialization light_specialization(const SceneFacts& facts);
+/// Of such kernels: the scene's lights, and what the G-buffer's layout needs.
+Specialization shading_specialization(const ShadingInputs& in);
 
 /// Loop iterations of one shaded sample, at most: stall, lights and texture taps together.
 std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams& params);

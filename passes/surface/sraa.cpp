@@ -10,15 +10,16 @@ ImageHandle add_sraa(Graph& graph, const SraaInputs& in, const SraaParams& param
     const ImageDesc desc = graph.desc(in.first_sample);
     PassBuilder pass = graph.add_compute_pass("sraa");
     pass.because("--method sraa: spreads each shaded sample over its surface");
-    pass.read("frame", in.frame)
-        .sample("gbuffer", in.gbuffer.surface)
-        .sample("gbuffer_depth", in.gbuffer.depth)
-        .sample("first_sample", in.first_sample);
+    read_gbuffer(pass, in.gbuffer);
+    pass.read("frame", in.frame).sample("first_sample", in.first_sample);
     const ImageHandle out = pass.write("reconstructed", graph.create_image("sraa", desc));
-    pass.record([desc, params](Commands& commands) {
+    pass.record([desc, params, gbuffer = in.gbuffer](Commands& commands) {
         const shader::SraaPush push{params.radius, params.plane_error, params.normal_power};
-        commands.dispatch_over(
-            {.shader = "surface/sraa.comp", .push = as_push(push)}, {desc.width, desc.height, 1});
+        const std::string shader = gbuffer_variant("surface/sraa.comp", "", gbuffer);
+        commands.dispatch_over({.shader = shader,
+                                   .specialization = gbuffer_specialization(gbuffer),
+                                   .push = as_push(push)},
+            {desc.width, desc.height, 1});
     });
     return out;
 }

@@ -78,7 +78,7 @@ void declare(Params& params, Options& o) {
     add("k-filter", &o.k_filter,
         "max:N, N 1 to 64: N x N pixels share the largest of their counts");
     add("resolve", &o.resolve, "how samples become a pixel").choices({"prefix"});
-    add("gbuffer", &o.gbuffer, "layout of the G-buffer").choices({"packed"});
+    add("gbuffer", &o.gbuffer, "layout of the G-buffer").choices({"packed", "visibility"});
     add("anisotropy", &o.anisotropy, "most texture taps per lookup").range(1, 16);
     add("stall", &o.stall,
         "dependent multiply-adds per shaded sample, in sixteens: stands in for costly shading")
@@ -125,6 +125,7 @@ AdaptiveAaParams picture_params(const Options& o) {
                                            : Dispatch::buckets;
     p.powers_of_two = o.k_levels == "pow2";
     p.count_block = parse_k_filter(o.k_filter);
+    p.gbuffer = o.gbuffer == "visibility" ? GbufferLayout::visibility : GbufferLayout::packed;
     p.metrics = default_metrics(p.m);
     if (o.depth_weight >= 0) p.metrics.depth_weight = o.depth_weight;
     if (o.normal_weight >= 0) p.metrics.normal_weight = o.normal_weight;

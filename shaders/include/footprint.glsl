@@ -3,6 +3,8 @@
 // split here into trilinear taps along the longer axis, so that every driver filters alike (some
 // software drivers alias badly at high ratios). Layers of an array are padded to a common size:
 // mip level l holds the image at 1/2^l of its *native* size, whatever the layer's size.
+#ifndef OCKHAM_SHADERS_INCLUDE_FOOTPRINT_GLSL
+#define OCKHAM_SHADERS_INCLUDE_FOOTPRINT_GLSL
 
 /// `gradient_x`, `gradient_y`: change of uv across the footprint. `size`: native texels.
 /// `max_taps`: at most so many taps (maximum anisotropy), >= 1. uv wraps around.
@@ -24,3 +26,5 @@ vec4 sample_footprint(sampler2DArray image, int layer, vec2 size, vec2 uv, vec2 
     }
     return sum / taps;
 }
+
+#endif

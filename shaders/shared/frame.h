@@ -26,7 +26,9 @@ struct FrameData {
     float sun_texel; ///< world size of a shadow map texel
     vec3 ambient;    ///< radiance
     uint m;          ///< window width in samples
-    uvec2 size;      ///< picture in pixels
+    uvec2 size;      ///< of the images, pixels: the picture, or a screen tile of it
+    ivec2 origin;    ///< the images' first pixel in the picture
+    uvec2 picture;   ///< in pixels
     uint directional_count;
     uint point_count;
     uint spot_count;

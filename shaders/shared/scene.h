@@ -50,6 +50,14 @@ struct MaterialData {
     UvMap uv[3];                           ///< slots 0 and 1, and the normal map's
 };
 
+/// Up to TRIANGLES_PER_BLOCK (surface/gbuffer.h) triangles of one primitive in one instance.
+struct TriangleBlock {
+    uint first_index; ///< of its first triangle
+    int vertex_offset;
+    uint instance;
+    uint material;
+};
+
 #define LIGHT_DIRECTIONAL 0u
 #define LIGHT_POINT 1u
 #define LIGHT_SPOT 2u

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // reads interpolated attributes, material; writes one packed surface sample (packing.glsl).
 // Normal maps are applied here, per sample, so that the metrics see the bumps; albedo is not.
+// SLOPES adds how steep the surface itself is, which bumps hide.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -16,9 +17,17 @@ layout(location = 2) in vec2 in_uv0;
 layout(location = 3) in vec2 in_uv1;
 layout(location = 4) in vec4 in_color;
 
+#ifdef EXTRA
+#define OUT_SLOPES 2
+#else
+#define OUT_SLOPES 1
+#endif
 layout(location = 0) out uvec4 out_surface;
 #ifdef EXTRA
 layout(location = 1) out uvec4 out_extra;
+#endif
+#ifdef SLOPES
+layout(location = OUT_SLOPES) out uint out_slopes;
 #endif
 
 layout(scalar, binding = 3) readonly buffer Materials { MaterialData items[]; } materials;
@@ -31,24 +40,17 @@ layout(binding = 5) uniform sampler2DArray data_textures;
 
 layout(push_constant, scalar) uniform Push { DrawPush push; };
 
-/// Derivatives of the vertices' coordinates; taken first of all, for they end at a discard.
-struct UvDerivatives {
-    vec2 x0, x1, y0, y1;
-};
-
 TextureCoordinates coordinates(UvMap map, UvDerivatives d) {
-    TextureCoordinates c;
-    vec2 uv = map_uv(map, in_uv0, in_uv1);
-    vec2 direction = wrap_direction(map, uv);
-    c.gradient_x = map_uv_change(map, d.x0, d.x1) * direction;
-    c.gradient_y = map_uv_change(map, d.y0, d.y1) * direction;
-    c.uv = wrap_uv(map, uv);
-    return c;
+    return map_coordinates(map, in_uv0, in_uv1, d);
 }
 
 void main() {
     MaterialData material = materials.items[push.material];
+    // First of all, for derivatives end at a discard.
     UvDerivatives derivatives = UvDerivatives(dFdx(in_uv0), dFdx(in_uv1), dFdy(in_uv0), dFdy(in_uv1));
+#ifdef SLOPES
+    out_slopes = packHalf2x16(vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)) / gl_FragCoord.z);
+#endif
     TextureCoordinates c = coordinates(material.uv[0], derivatives);
 
 #ifdef MASKED
@@ -66,16 +68,9 @@ void main() {
 #ifdef NORMAL_MAPPED
     if (material.normal_texture.layer >= 0) {
         TextureCoordinates bump = coordinates(material.uv[2], derivatives);
-        vec3 t = sample_footprint(data_textures, material.normal_texture.layer,
+        vec3 texel = sample_footprint(data_textures, material.normal_texture.layer,
             material.normal_texture.size, bump.uv, bump.gradient_x, bump.gradient_y, 2.0).xyz;
-        t = (2.0 * t - 1.0) * vec3(material.normal_scale, material.normal_scale, 1.0);
-        vec3 tangent = in_tangent.xyz - normal * dot(normal, in_tangent.xyz);
-        float tangent_length = length(tangent);
-        if (tangent_length > 0.0) {
-            tangent /= tangent_length;
-            vec3 bitangent = cross(normal, tangent) * in_tangent.w;
-            normal = normalize(t.x * tangent + t.y * bitangent + t.z * normal);
-        }
+        normal = bump_normal(normal, in_tangent, texel, material.normal_scale);
     }
 #endif
     if (!gl_FrontFacing) normal = -normal;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Constants of the G-buffer's raster pass.
+// Constants of the G-buffer: its draws, its specialisation, and how the visibility layout counts
+// triangles.
 #ifndef OCKHAM_SHADERS_SURFACE_GBUFFER_H
 #define OCKHAM_SHADERS_SURFACE_GBUFFER_H
 
@@ -11,14 +12,34 @@ struct DrawPush {
     uint material;
 };
 
+/// Of a draw without an index buffer: what makes triangle ids of gl_VertexIndex, gl_InstanceIndex.
+struct VisibilityPush {
+    uint material;
+    uint first_index;
+    int vertex_offset;
+    uint first_instance;
+    uint first_triangle;         ///< id of the first instance's first triangle
+    uint triangles_per_instance; ///< ids from one instance to the next
+    vec2 snap;                   ///< steps of the rasteriser's grid across half the picture
+};
+
+// A triangle's id is the block it is in, and its number there. Block 0 holds none.
+#define TRIANGLE_BLOCK_BITS 8
+#define TRIANGLES_PER_BLOCK (1u << TRIANGLE_BLOCK_BITS)
+#define NO_TRIANGLE 0u // background
+
 // Specialisation: floats from one vertex to the next, and where in it each attribute starts
-// (ATTRIBUTE_ABSENT: the scene has none).
-#define SPEC_VERTEX_STRIDE 0
-#define SPEC_NORMAL_OFFSET 1
-#define SPEC_TANGENT_OFFSET 2
-#define SPEC_UV0_OFFSET 3
-#define SPEC_UV1_OFFSET 4
-#define SPEC_COLOR_OFFSET 5
+// (ATTRIBUTE_ABSENT: the scene has none). Numbers apart from those of shade.h: kernels that shade
+// from the visibility layout have both.
+#define SPEC_VERTEX_STRIDE 16
+#define SPEC_NORMAL_OFFSET 17
+#define SPEC_TANGENT_OFFSET 18
+#define SPEC_UV0_OFFSET 19
+#define SPEC_UV1_OFFSET 20
+#define SPEC_COLOR_OFFSET 21
+#define SPEC_NORMAL_MAPS 22          // bool: a material has one
+#define SPEC_SHADING_DATA_TEXTURES 23 // bool: ... a metallic-roughness or occlusion image
+#define SPEC_SECOND_COORDINATES 24   // bool: ... images with two different sets of coordinates
 #define ATTRIBUTE_ABSENT 0xffffffffu
 
 OCKHAM_SHARED_END

@@ -1,7 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Materials, and texture coordinates moved and wrapped as a material asks.
+#ifndef OCKHAM_SHADERS_SURFACE_MATERIAL_GLSL
+#define OCKHAM_SHADERS_SURFACE_MATERIAL_GLSL
 
 #include "shared/scene.h"
+
+struct TextureCoordinates {
+    vec2 uv;         // wrapped
+    vec2 gradient_x; // per sample to the right
+    vec2 gradient_y; // per sample down
+};
+
+/// Derivatives of the vertices' coordinates, of either set.
+struct UvDerivatives {
+    vec2 x0, x1, y0, y1;
+};
 
 vec2 map_uv(UvMap map, vec2 uv0, vec2 uv1) {
     vec3 uv = vec3(map.set == 0u ? uv0 : uv1, 1.0);
@@ -39,3 +52,29 @@ float wrap_sign(float x, uint mode) {
 vec2 wrap_direction(UvMap map, vec2 uv) {
     return vec2(wrap_sign(uv.x, map.wrap & 3u), wrap_sign(uv.y, map.wrap >> 2));
 }
+
+TextureCoordinates map_coordinates(UvMap map, vec2 uv0, vec2 uv1, UvDerivatives d) {
+    TextureCoordinates c;
+    vec2 uv = map_uv(map, uv0, uv1);
+    vec2 direction = wrap_direction(map, uv);
+    c.gradient_x = map_uv_change(map, d.x0, d.x1) * direction;
+    c.gradient_y = map_uv_change(map, d.y0, d.y1) * direction;
+    c.uv = wrap_uv(map, uv);
+    return c;
+}
+
+/// The normal tilted by a texel of a normal map, both ends unit. `tangent`: its handedness in w; 0
+/// leaves the normal as it is.
+vec3 bump_normal(vec3 normal, vec4 tangent, vec3 texel, float scale) {
+    vec3 t = (2.0 * texel - 1.0) * vec3(scale, scale, 1.0);
+    vec3 along = tangent.xyz - normal * dot(normal, tangent.xyz);
+    float along_length = length(along);
+    if (along_length > 0.0) {
+        along /= along_length;
+        vec3 across = cross(normal, along) * tangent.w;
+        normal = normalize(t.x * along + t.y * across + t.z * normal);
+    }
+    return normal;
+}
+
+#endif

@@ -46,16 +46,16 @@ void main() {
     bool normals_differ = false;
     for (int i = 0; i < m * m; ++i) {
         ivec2 position = pixel * m + window_offset(i);
-        float stored = texelFetch(gbuffer_depth, position, 0).x;
+        float stored = fetch_depth(position);
         float d = view_depth(stored);
         depth_sum += d;
         depth2_sum += d * d;
         if (stored > 0.0) {
-            uvec4 words = texelFetch(gbuffer, position, 0);
-            normals_differ = normals_differ || (hits > 0u && words.x != first_word);
-            first_word = words.x;
+            uint word = fetch_normal_word(position);
+            normals_differ = normals_differ || (hits > 0u && word != first_word);
+            first_word = word;
             ++hits;
-            normal_sum += unpack_normal(words);
+            normal_sum += unpack_normal(word);
         }
     }
     float mean_depth = depth_sum / n;
@@ -70,13 +70,13 @@ void main() {
     int filled = normals_differ && hits == uint(m * m) ? m * m : 0;
     for (int i = 0; i < filled; ++i) {
         ivec2 position = pixel * m + window_offset(i);
-        smallest = min(smallest, abs(dot(mean_normal, unpack_normal(texelFetch(gbuffer, position, 0)))));
+        smallest = min(smallest, abs(dot(mean_normal, unpack_normal(fetch_normal_word(position)))));
     }
     int sparse = normals_differ ? m * m - filled : 0;
     for (int i = 0; i < sparse; ++i) {
         ivec2 position = pixel * m + window_offset(i);
-        if (texelFetch(gbuffer_depth, position, 0).x > 0.0) {
-            smallest = min(smallest, abs(dot(mean_normal, unpack_normal(texelFetch(gbuffer, position, 0)))));
+        if (fetch_depth(position) > 0.0) {
+            smallest = min(smallest, abs(dot(mean_normal, unpack_normal(fetch_normal_word(position)))));
         }
     }
     float k_normal = push.normal_weight * sqrt(1.0 - smallest);

@@ -9,12 +9,7 @@
 // second pair of coordinates.
 
 #include "include/octahedral.glsl"
-
-struct TextureCoordinates {
-    vec2 uv;         // wrapped into [0,1)
-    vec2 gradient_x; // per sample to the right
-    vec2 gradient_y; // per sample down
-};
+#include "surface/material.glsl"
 
 /// Sign and magnitude on a scale of four steps an octave, 2^-26 to 2^5.5; smaller is zero.
 uint encode_derivative(float d) {
@@ -45,13 +40,14 @@ TextureCoordinates unpack_coordinates(uvec3 packed_words) {
     return c;
 }
 
+uint pack_normal(vec3 normal) { return packSnorm2x16(octahedral_encode(normal)); }
+vec3 unpack_normal(uint word) { return octahedral_decode(unpackSnorm2x16(word)); }
+
 uvec4 pack_surface(vec3 normal, uint material, TextureCoordinates c) {
     uvec3 words = pack_coordinates(c);
-    return uvec4(packSnorm2x16(octahedral_encode(normal)), words.x, words.y | material << 20,
+    return uvec4(pack_normal(normal), words.x, words.y | material << 20,
         words.z | (material >> 12) << 20);
 }
-
-vec3 unpack_normal(uvec4 packed_words) { return octahedral_decode(unpackSnorm2x16(packed_words.x)); }
 
 uint unpack_material(uvec4 packed_words) {
     return packed_words.z >> 20 | (packed_words.w >> 20) << 12;

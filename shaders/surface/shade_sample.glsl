@@ -14,12 +14,14 @@ layout(constant_id = SPEC_SPOT_LIGHTS) const bool kSpotLights = true;
 
 layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
 #include "surface/surface_sample.glsl"
+#ifndef VISIBILITY
 layout(scalar, binding = 4) readonly buffer Materials { MaterialData items[]; } materials;
+#endif
 layout(scalar, binding = 5) readonly buffer Lights { LightData items[]; } lights;
 #ifdef COLOR_TEXTURES
 layout(binding = 6) uniform sampler2DArray color_textures;
 #endif
-#ifdef DATA_TEXTURES
+#if defined(DATA_TEXTURES) && !defined(VISIBILITY)
 layout(binding = 7) uniform sampler2DArray data_textures;
 #endif
 #ifdef SHADOW
@@ -27,19 +29,6 @@ layout(binding = 8) uniform sampler2D shadow_map;
 #endif
 
 layout(push_constant, scalar) uniform Push { ShadePush push; };
-
-/// True where the straight continuation of `s` by `offset` samples meets other material or
-/// coordinates: a footprint must not reach across (Hollaender et al. 2013, section 4.1).
-bool discontinuous(ivec2 position, SurfaceSample s, ivec2 offset) {
-    ivec2 other_position = position + offset;
-    if (texelFetch(gbuffer_depth, other_position, 0).x <= 0.0) return true;
-    uvec4 other = texelFetch(gbuffer, other_position, 0);
-    if (unpack_material(other) != s.material) return true;
-    vec2 step = vec2(offset.x) * s.coordinates[0].gradient_x + vec2(offset.y) * s.coordinates[0].gradient_y;
-    vec2 difference = unpack_coordinates(other.yzw).uv - s.coordinates[0].uv - step;
-    difference -= round(difference);
-    return length(difference) > 0.5 * length(step) + 4.0 / 1048576.0;
-}
 
 /// Factors by which the sample's own footprint is widened along x and y. `offset`: its place in the
 /// window.
@@ -145,12 +134,12 @@ vec4 shade_sample(ivec2 pixel, uint index, float widening) {
         emissive *= lookup(color_textures, material.emissive_texture, s, scale).rgb;
 #endif
 #ifdef DATA_TEXTURES
-    if (material.metallic_roughness_texture.layer >= 0) {
+    if (kShadingDataTextures && material.metallic_roughness_texture.layer >= 0) {
         vec4 t = lookup(data_textures, material.metallic_roughness_texture, s, scale);
         roughness *= t.g;
         metallic *= t.b;
     }
-    if (material.occlusion_texture.layer >= 0) {
+    if (kShadingDataTextures && material.occlusion_texture.layer >= 0) {
         float t = lookup(data_textures, material.occlusion_texture, s, scale).r;
         occlusion = 1.0 + material.occlusion_strength * (t - 1.0);
     }

@@ -5,7 +5,10 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
+#include "shared/frame.h"
 #include "surface/vertex.glsl"
+
+layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
 
 layout(location = 0) out vec2 out_uv0;
 layout(location = 1) out vec2 out_uv1;
@@ -15,7 +18,7 @@ void main() {
     InstanceData instance = instances.items[gl_InstanceIndex];
     uint base = uint(gl_VertexIndex) * kVertexStride;
     gl_Position = frame.data.sun_projection * vec4(to_world(instance, vertex_vec3(base)), 1.0);
-    out_uv0 = kUv0Offset == ATTRIBUTE_ABSENT ? vec2(0.0) : vertex_vec2(base + kUv0Offset);
-    out_uv1 = kUv1Offset == ATTRIBUTE_ABSENT ? vec2(0.0) : vertex_vec2(base + kUv1Offset);
-    out_alpha = kColorOffset == ATTRIBUTE_ABSENT ? 1.0 : vertex_vec4(base + kColorOffset).a;
+    out_uv0 = vertex_uv(base, 0);
+    out_uv1 = vertex_uv(base, 1);
+    out_alpha = vertex_color(base).a;
 }

@@ -28,12 +28,12 @@ struct Point {
 };
 
 Point fetch_point(ivec2 position) {
-    float stored = texelFetch(gbuffer_depth, position, 0).x;
+    float stored = fetch_depth(position);
     Point p;
     p.hit = stored > 0.0;
     p.depth = view_depth(stored);
     p.world = sample_world(position, p.depth);
-    p.normal = unpack_normal(texelFetch(gbuffer, position, 0));
+    p.normal = fetch_normal(position);
     return p;
 }
 

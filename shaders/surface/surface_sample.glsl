@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// fetch_surface: one sample of the supersampled G-buffer, whatever its layout.
-// Needs `frame` (shared/frame.h).
+// fetch_surface: one sample of the supersampled G-buffer, whatever its layout: packed attributes,
+// or (VISIBILITY) the id of a triangle, which is evaluated anew where it is asked for.
+// Needs `frame` (shared/frame.h). Positions are samples of the images, not of the whole picture.
 
 #include "surface/packing.glsl"
-
-layout(binding = 1) uniform usampler2D gbuffer;
-layout(binding = 2) uniform sampler2D gbuffer_depth;
-#ifdef EXTRA
-layout(binding = 3) uniform usampler2D gbuffer_extra;
-#endif
 
 struct SurfaceSample {
     vec3 normal;   // world, unit, towards the camera's side
@@ -16,25 +11,17 @@ struct SurfaceSample {
     float depth;   // stored: reversed, 0 = background
     TextureCoordinates coordinates[2];
     vec3 color;    // vertex colour factor
+#ifdef VISIBILITY
+    uint triangle;
+#endif
 };
 
-SurfaceSample fetch_surface(ivec2 position) {
-    uvec4 words = texelFetch(gbuffer, position, 0);
-    SurfaceSample s;
-    s.depth = texelFetch(gbuffer_depth, position, 0).x;
-    s.normal = unpack_normal(words);
-    s.material = unpack_material(words);
-    s.coordinates[0] = unpack_coordinates(words.yzw);
-#ifdef EXTRA
-    uvec4 extra = texelFetch(gbuffer_extra, position, 0);
-    s.color = unpack_color(extra.x);
-    s.coordinates[1] = unpack_coordinates(extra.yzw);
-#else
-    s.color = vec3(1.0);
-    s.coordinates[1] = s.coordinates[0];
-#endif
-    return s;
-}
+/// Stored depth is linear over the picture on a plane, in either projection.
+struct SurfacePlane {
+    float depth; // stored: reversed, 0 = background, with no slope
+    vec2 slope;  // change of the stored depth per sample to the right and down
+    uint material;
+};
 
 /// Place in the window of its index-th sample, row-major.
 ivec2 window_offset(int index) {
@@ -49,11 +36,21 @@ float view_depth(float stored) {
                                          : frame.data.near_distance / stored;
 }
 
+/// World units across one sample, at view depth 1 under perspective: to the right and down.
+vec3 sample_right() { return frame.data.right * (2.0 / float(frame.data.picture.x * frame.data.m)); }
+vec3 sample_down() { return frame.data.up * (-2.0 / float(frame.data.picture.y * frame.data.m)); }
+
+/// From the camera's axis to the centre of a sample, in the plane at view depth 1.
+vec3 sample_across(ivec2 position) {
+    vec2 extent = vec2(frame.data.picture * frame.data.m);
+    ivec2 in_picture = position + frame.data.origin * int(frame.data.m);
+    vec2 ndc = (vec2(in_picture) + 0.5) / extent * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    return ndc.x * frame.data.right + ndc.y * frame.data.up;
+}
+
 /// World position of the centre of a sample at a view depth.
 vec3 sample_world(ivec2 position, float depth) {
-    vec2 extent = vec2(frame.data.size * frame.data.m);
-    vec2 ndc = (vec2(position) + 0.5) / extent * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
-    vec3 across = ndc.x * frame.data.right + ndc.y * frame.data.up;
+    vec3 across = sample_across(position);
     return frame.data.position + depth * frame.data.forward +
            (frame.data.orthographic != 0u ? across : across * depth);
 }
@@ -62,4 +59,88 @@ vec3 sample_world(ivec2 position, float depth) {
 vec3 to_camera(vec3 world) {
     return frame.data.orthographic != 0u ? -frame.data.forward
                                          : normalize(frame.data.position - world);
+}
+
+/// Straight on from coordinates `c` by `offset` samples, `other` is somewhere else.
+bool coordinates_break(TextureCoordinates c, vec2 other, ivec2 offset) {
+    vec2 step = vec2(offset.x) * c.gradient_x + vec2(offset.y) * c.gradient_y;
+    vec2 difference = other - c.uv - step;
+    difference -= round(difference);
+    return length(difference) > 0.5 * length(step) + 4.0 / 1048576.0;
+}
+
+#ifdef VISIBILITY
+#include "surface/visibility.glsl"
+#else
+const bool kShadingDataTextures = true; // where they are bound at all
+
+layout(binding = 1) uniform usampler2D gbuffer;
+layout(binding = 2) uniform sampler2D gbuffer_depth;
+#ifdef EXTRA
+layout(binding = 3) uniform usampler2D gbuffer_extra;
+#endif
+#ifdef SLOPES
+layout(binding = 25) uniform usampler2D gbuffer_slopes;
+#endif
+
+/// Stored depth; 0: background, and whatever else the sample holds is undefined.
+float fetch_depth(ivec2 position) { return texelFetch(gbuffer_depth, position, 0).x; }
+uint fetch_material(ivec2 position) { return unpack_material(texelFetch(gbuffer, position, 0)); }
+/// The normal as pack_normal() has it: equal words are equal normals.
+uint fetch_normal_word(ivec2 position) { return texelFetch(gbuffer, position, 0).x; }
+vec3 fetch_normal(ivec2 position) { return unpack_normal(fetch_normal_word(position)); }
+
+SurfaceSample fetch_surface(ivec2 position) {
+    uvec4 words = texelFetch(gbuffer, position, 0);
+    SurfaceSample s;
+    s.depth = fetch_depth(position);
+    s.normal = unpack_normal(words.x);
+    s.material = unpack_material(words);
+    s.coordinates[0] = unpack_coordinates(words.yzw);
+#ifdef EXTRA
+    uvec4 extra = texelFetch(gbuffer_extra, position, 0);
+    s.color = unpack_color(extra.x);
+    s.coordinates[1] = unpack_coordinates(extra.yzw);
+#else
+    s.color = vec3(1.0);
+    s.coordinates[1] = s.coordinates[0];
+#endif
+    return s;
+}
+
+#ifdef SLOPES
+SurfacePlane fetch_plane(ivec2 position) {
+    float depth = fetch_depth(position);
+    vec2 relative = unpackHalf2x16(texelFetch(gbuffer_slopes, position, 0).x);
+    return SurfacePlane(depth, depth > 0.0 ? depth * relative : vec2(0.0), fetch_material(position));
+}
+#endif
+
+/// True where the straight continuation of `s` by `offset` samples meets other material or
+/// coordinates: a footprint must not reach across (Hollaender et al. 2013, section 4.1).
+bool discontinuous(ivec2 position, SurfaceSample s, ivec2 offset) {
+    ivec2 other_position = position + offset;
+    if (fetch_depth(other_position) <= 0.0) return true;
+    uvec4 other = texelFetch(gbuffer, other_position, 0);
+    if (unpack_material(other) != s.material) return true;
+    return coordinates_break(s.coordinates[0], unpack_coordinates(other.yzw).uv, offset);
+}
+#endif
+
+/// Geometric normal of a plane that is not background: world, unit, towards the camera.
+vec3 plane_normal(ivec2 position, SurfacePlane plane) {
+    // Points P of the plane have stored depth d: under perspective n / d = (P - camera) . forward.
+    vec3 x = sample_right(), y = sample_down(), across = sample_across(position);
+    vec3 right = x / dot(x, x), down = y / dot(y, y); // dual to x and y
+    vec3 normal;
+    if (frame.data.orthographic != 0u) {
+        // Depth falls by far * slope per sample.
+        normal = -frame.data.forward - frame.data.far_distance * (plane.slope.x * right + plane.slope.y * down);
+    } else {
+        // slope . (x, y) and depth at this sample fix the covector that gives depth for directions.
+        vec2 at = vec2(dot(across, right), dot(across, down));
+        normal = -(plane.slope.x * right + plane.slope.y * down +
+                   (plane.depth - dot(plane.slope, at)) * frame.data.forward);
+    }
+    return normalize(normal);
 }
