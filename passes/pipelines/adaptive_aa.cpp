@@ -5,7 +5,9 @@
 #include "passes/debug/surface_aov.hpp"
 #include "passes/pipelines/aa_baselines.hpp"
 #include "passes/schedule/coarsen.hpp"
+#include "passes/surface/clusters.hpp"
 #include "passes/surface/first_sample.hpp"
+#include "passes/surface/metrics_ockham.hpp"
 #include "passes/surface/resolve.hpp"
 #include "passes/surface/shade.hpp"
 #include "passes/surface/sraa.hpp"
@@ -60,8 +62,8 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
 }
 
 void omit_adaptive_passes(Graph& graph, const std::string& reason) {
-    for (const char* pass : {"metrics", "coarsen", "bucket_count", "bucket_scan",
-             "bucket_arguments", "bucket_scatter", "tile_work", "tile_list"}) {
+    for (const char* pass : {"clusters", "metrics", "allocate", "coarsen", "bucket_count",
+             "bucket_scan", "bucket_arguments", "bucket_scatter", "tile_work", "tile_list"}) {
         graph.omit_pass(pass, reason);
     }
 }
@@ -75,6 +77,31 @@ void omit_what_the_scene_lacks(Graph& graph, const SceneFacts& facts) {
     }
     if (!facts.masked) graph.omit_pass("gbuffer, masked draws", "no material has holes");
     if (!facts.sun_shadow) graph.omit_resource("shadow_map", "no directional light casts a shadow");
+}
+
+/// What needs to know the surfaces of each window; empty: nothing.
+std::string clusters_reason(const AdaptiveAaParams& params) {
+    if (params.method != AaMethod::adaptive) return "";
+    return params.metric == MetricKind::ockham ? "--metric ockham looks at surfaces apart" : "";
+}
+
+/// k of every pixel, and what asked for it.
+Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clusters,
+    ImageHandle first_sample, const AdaptiveAaParams& params) {
+    if (params.metric == MetricKind::paper) {
+        MetricsParams metrics = params.metrics;
+        metrics.width = params.width;
+        metrics.height = params.height;
+        metrics.winner = params.aov;
+        const Metrics counts =
+            add_metrics(graph, {in.scene.frame, in.gbuffer, first_sample}, metrics);
+        graph.omit_pass("allocate", "--metric paper counts samples itself");
+        return {counts.sample_count, counts.winner};
+    }
+    const ImageHandle variance = add_ockham_metrics(
+        graph, {in.scene.frame, in.gbuffer, clusters, first_sample, {}}, params.m);
+    return add_allocate(graph, variance,
+        {.samples = params.m * params.m, .lambda = params.lambda, .winner = params.aov});
 }
 
 /// The back end, with the passes that prepare it.
@@ -152,13 +179,15 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
         break;
     }
 
+    Clusters clusters;
+    if (const std::string reason = clusters_reason(params); !reason.empty()) {
+        clusters = add_clusters(
+            graph, in.scene.frame, in.gbuffer, {params.width, params.height, params.m}, reason);
+    } else {
+        graph.omit_pass("clusters", "--metric paper looks at the window as a whole");
+    }
     out.first_sample = add_first_sample(graph, in, shading);
-    MetricsParams metrics = params.metrics;
-    metrics.width = params.width;
-    metrics.height = params.height;
-    metrics.winner = params.aov;
-    const Metrics counts =
-        add_metrics(graph, {in.scene.frame, in.gbuffer, out.first_sample}, metrics);
+    const Allocation counts = add_counts(graph, in, clusters, out.first_sample, params);
     out.sample_count = counts.sample_count;
     out.winner = counts.winner;
     if (params.powers_of_two || params.count_block > 1) {
@@ -179,8 +208,9 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
 bool is_shading_pass(std::string_view pass) {
     if (is_baseline_pass(pass)) return true;
     // "shade" and its further rounds "shade.1", ...; the passes of the lists.
-    return pass == "first_sample" || pass == "metrics" || pass == "coarsen" ||
-           pass.starts_with("bucket_") || pass.starts_with("tile_") || pass.starts_with("shade") ||
+    return pass == "clusters" || pass == "first_sample" || pass == "metrics" ||
+           pass == "allocate" || pass == "coarsen" || pass.starts_with("bucket_") ||
+           pass.starts_with("tile_") || pass.starts_with("shade") ||
            pass == "resolve";
 }
 
@@ -192,7 +222,8 @@ AdaptiveAaOutputs add_adaptive_aa(
         {.width = params.width,
             .height = params.height,
             .m = params.m,
-            .layout = params.gbuffer},
+            .layout = params.gbuffer,
+            .slopes = !clusters_reason(params).empty()},
         max_extent);
     const ShadingParams shading{.width = params.width,
         .height = params.height,

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole picture of adaptive supersampling for deferred shading (Hollaender, Boubekeur,
 // Eisemann, JCGT 2013) and of its reference methods, as one graph:
-//   gbuffer -> first_sample -> metrics -> buckets -> shade -> resolve
+//   gbuffer -> [clusters] -> first_sample -> metrics -> buckets -> shade -> resolve
 // Passes that the method, m or the scene does not need are not declared, and the plan says why.
 #pragma once
 
 #include "passes/pipelines/lit_scene.hpp"
 #include "passes/schedule/dispatch.hpp"
+#include "passes/surface/allocate.hpp"
 #include "passes/surface/frame.hpp"
 #include "passes/surface/metrics.hpp"
 #include "passes/surface/shading_inputs.hpp"
@@ -28,16 +29,23 @@ enum class AaMethod {
     adaptive, ///< k by the metrics
 };
 
+enum class MetricKind {
+    paper,  ///< depth, normals and S by three weights
+    ockham, ///< expected variance, by one lambda
+};
+
 struct AdaptiveAaParams {
     std::uint32_t width = 1024, height = 768; ///< pixels
     std::uint32_t m = 4;                      ///< window width in samples, 1 ... 8
     AaMethod method = AaMethod::adaptive;
     std::uint32_t k = 1; ///< uniform only, 1 ... m * m
     Dispatch dispatch = Dispatch::buckets;
-    bool powers_of_two = false;        ///< counts are rounded up to powers of two, n stays
-    std::uint32_t count_block = 1;     ///< pixels per block and axis that share the largest count
-    std::vector<std::uint32_t> order;  ///< samples by rank; empty: paper_order(m)
-    MetricsParams metrics;             ///< its size is set from here
+    bool powers_of_two = false;    ///< counts are rounded up to powers of two, n stays
+    std::uint32_t count_block = 1; ///< pixels per block and axis that share the largest count
+    std::vector<std::uint32_t> order; ///< samples by rank; empty: paper_order(m)
+    MetricKind metric = MetricKind::paper;
+    MetricsParams metrics;         ///< paper only; its size is set from here
+    float lambda = kDefaultLambda; ///< ockham only: price of a sample, 0 ... infinity
     GbufferLayout gbuffer = GbufferLayout::packed;
     std::uint32_t stall = 0;           ///< dependent FMAs per shaded sample
     std::uint32_t anisotropy = 16;     ///< 1 ... 16

@@ -16,6 +16,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 using namespace ockham;
 
@@ -29,6 +30,7 @@ struct Options {
     std::string method = "adaptive";
     int k = 1;
     std::string metric = "paper";
+    float lambda = kDefaultLambda;
     std::string order = "paper";
     std::string dispatch = "buckets";
     std::string k_levels = "all", k_filter;
@@ -53,7 +55,10 @@ void declare(Params& params, Options& o) {
         .choices({"none", "fxaa", "smaa", "sraa", "uniform", "ssaa", "adaptive"});
     add("k", &o.k, "samples per pixel of --method uniform").range(1, 64);
     add("preset", &o.preset, "all choices below at once").choices({"paper"});
-    add("metric", &o.metric, "what decides the samples per pixel").choices({"paper"});
+    add("metric", &o.metric, "what decides the samples per pixel").choices({"paper", "ockham"});
+    add("lambda", &o.lambda,
+        "metric ockham: squared error that a sample must remove; 0: all samples, inf: one")
+        .range(0, std::numeric_limits<double>::infinity());
     add("c-depth", &o.depth_weight,
         "metric paper: weight of the depth variance; -1: 15 m (60 at 4 x 4)")
         .range(-1, 1e9)
@@ -126,6 +131,8 @@ AdaptiveAaParams picture_params(const Options& o) {
     p.powers_of_two = o.k_levels == "pow2";
     p.count_block = parse_k_filter(o.k_filter);
     p.gbuffer = o.gbuffer == "visibility" ? GbufferLayout::visibility : GbufferLayout::packed;
+    p.metric = o.metric == "ockham" ? MetricKind::ockham : MetricKind::paper;
+    p.lambda = o.lambda;
     p.metrics = default_metrics(p.m);
     if (o.depth_weight >= 0) p.metrics.depth_weight = o.depth_weight;
     if (o.normal_weight >= 0) p.metrics.normal_weight = o.normal_weight;

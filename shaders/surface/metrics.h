@@ -15,11 +15,14 @@ struct MetricsPush {
     float range_edge;     ///< t_edge
 };
 
-// Which metric asked for the most samples.
+// What asked for the most samples: a metric of the paper's, or, of the default metric, surfaces
+// without a sample or variation within them.
 #define WINNER_NONE 0u
 #define WINNER_DEPTH 1u
 #define WINNER_NORMAL 2u
 #define WINNER_SHADING 3u
+#define WINNER_SURFACES 4u
+#define WINNER_VARIATION 5u
 
 OCKHAM_SHARED_END
 

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "passes/surface/metrics_ockham.hpp"
+
+#include "framework/runtime/commands.hpp"
+
+namespace ockham {
+
+ImageHandle add_ockham_metrics(Graph& graph, const OckhamMetricsInputs& in, std::uint32_t m) {
+    ImageDesc desc = graph.desc(in.first_sample);
+    desc.format = VK_FORMAT_R32G32_SFLOAT;
+    PassBuilder pass = graph.add_compute_pass("metrics");
+    pass.because("how much the colours of each pixel are expected to vary");
+    pass.read("frame", in.frame);
+    read_gbuffer(pass, in.gbuffer);
+    pass.sample("clusters", in.clusters.labels)
+        .sample("normal_spread", in.clusters.normal_spread)
+        .sample("first_surface", in.clusters.first_surface)
+        .sample("first_sample", in.first_sample);
+    if (in.first_albedo) pass.sample("first_albedo", in.first_albedo);
+    const ImageHandle out = pass.write("variance", graph.create_image("variance", desc));
+    const std::string mode = std::string(m * m > 16 ? "wide" : "") +
+                             (m * m > 16 && in.first_albedo ? "," : "") +
+                             (in.first_albedo ? "albedo" : "");
+    pass.record([desc, mode, gbuffer = in.gbuffer](Commands& commands) {
+        const std::string shader = gbuffer_variant("surface/metrics_ockham.comp", mode, gbuffer);
+        commands.dispatch_over(
+            {.shader = shader, .specialization = gbuffer_specialization(gbuffer), .push = {}},
+            {desc.width, desc.height, 1});
+    });
+    return out;
+}
+
+} // namespace ockham

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// The default metric: the variance that each pixel's n colours are expected to have, from the
+// surfaces in its window and from S around it. How many samples that is worth is decided by
+// allocate, for one lambda, or by budget, for a share of all samples.
+#pragma once
+
+#include "passes/surface/clusters.hpp"
+
+namespace ockham {
+
+struct OckhamMetricsInputs {
+    BufferHandle frame;
+    Gbuffer gbuffer; ///< packed with slopes, or visibility
+    Clusters clusters;
+    ImageHandle first_sample;
+    ImageHandle first_albedo; ///< luma of the base colour that S has; empty: lighting is not apart
+};
+
+/// Returns "variance", rg32f, one texel a pixel: shaders/surface/variance.glsl.
+/// `m`: window width in samples, 1 ... 8.
+ImageHandle add_ockham_metrics(Graph& graph, const OckhamMetricsInputs& in, std::uint32_t m);
+
+} // namespace ockham

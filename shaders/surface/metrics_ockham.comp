@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// reads clusters of the window and S around the pixel; writes the variance that the pixel's n
+// colours are expected to have (variance.glsl), from which allocate.comp makes k:
+//   x  w^2, within surfaces: what samples beyond the first of each surface average out
+//   y  b^2 / (C - 1), between its C surfaces: what one sample of each removes, per sample
+// Both of display-encoded luma. S is the only shading known yet, one sample a pixel, so each surface
+// of the window is looked for among the first samples of the neighbours: they show how bright it
+// is, with its lights and shadows, and how much that varies.
+//   own surface  w^2 = G (kEven + kBumpy s)            G: mean squared difference to the neighbours
+//   others       w^2 = kOthers V                       V: variance of what the neighbours show of it
+//   all          w^2 += Y^2 (kSlopes s^2 + kUnseen u + kRest r)    s: deviation of normals' slopes
+// u, r: shares of the window on surfaces that no neighbour shows, and of what has no own label.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+
+#include "include/color.glsl"
+#include "shared/frame.h"
+#include "surface/clusters.glsl"
+#include "surface/variance.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+#define SLOPES
+#include "surface/surface_sample.glsl"
+layout(binding = 4) uniform usampler2D clusters;
+layout(binding = 5) uniform sampler2D normal_spread;
+layout(binding = 6) uniform usampler2D first_surface;
+layout(binding = 7) uniform sampler2D first_sample;
+#ifdef ALBEDO
+layout(binding = 8) uniform sampler2D first_albedo;
+#endif
+layout(binding = 9, rg32f) uniform writeonly image2D variance;
+
+// Fitted once to the variance of all samples on five scenes (docs/passes/metrics_ockham.md).
+const float kEven = 0.06;
+const float kBumpy = 0.4;
+const float kOthers = 0.3;
+const float kSlopes = 0.04;
+const float kUnseen = 0.01;
+const float kRest = 0.18;
+const float kUnseenContrast = 0.1;
+const float kBetween = 4.0;
+const float kReach = 1.5;        // pixels that a neighbour may lie off a surface's plane
+const float kCancelled = 0.99;   // deviation of slopes from which normals count as cancelled
+const float kMostVariance = 0.25; // that values in [0,1] can have
+
+/// Neighbours: the direct ones first.
+ivec2 neighbour(int i) {
+    int j = i & 3;
+    ivec2 direct = ivec2(j == 0 ? 1 : j == 1 ? -1 : 0, j == 2 ? 1 : j == 3 ? -1 : 0);
+    return i < 4 ? direct : ivec2((i & 1) * 2 - 1, (i & 2) - 1);
+}
+
+float albedo_at(ivec2 pixel) {
+#ifdef ALBEDO
+    return max(texelFetch(first_albedo, pixel, 0).x, 0.02);
+#else
+    return 1.0;
+#endif
+}
+
+/// Luma of radiance, NaN and beyond as black.
+float shown(vec3 radiance) {
+    float y = luma(radiance);
+    return y >= 0.0 ? y : 0.0;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 size = ivec2(frame.data.size);
+    if (any(greaterThanEqual(pixel, size))) return;
+    uint m = frame.data.m, n = m * m;
+    uvec4 labels = texelFetch(clusters, pixel, 0);
+#ifndef WIDE
+    labels.yzw = uvec3(0u);
+#endif
+    uvec4 sizes = cluster_sizes(labels, n);
+    uint count = cluster_count(sizes);
+    vec4 share = vec4(sizes) / float(n);
+    vec4 slopes = texelFetch(normal_spread, pixel, 0);
+    uvec2 surface = texelFetch(first_surface, pixel, 0).xy;
+
+    vec3 radiance = texelFetch(first_sample, pixel, 0).rgb;
+    float here = shown(radiance), albedo = albedo_at(pixel);
+    float squares = 0.0, seen = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 q = clamp(pixel + neighbour(i), ivec2(0), size - 1);
+        vec3 other = texelFetch(first_sample, q, 0).rgb;
+        bool same = texelFetch(first_surface, q, 0).y == surface.y;
+        float difference = abs(shown(other) - here);
+#ifdef ALBEDO
+        // Albedo is averaged apart from light: where light alone varies less, that counts.
+        difference = min(difference, abs(shown(other * clamp(albedo / albedo_at(q), 0.25, 4.0)) - here));
+#endif
+        squares += same ? difference * difference : 0.0;
+        seen += same && q != pixel ? 1.0 : 0.0;
+    }
+    // A background is one surface without variation, whatever is seen of it.
+    bool background = surface.x == 0u;
+    float within = background ? 0.0 : share.x * squares / max(seen, 1.0) * (kEven + kBumpy * slopes.x);
+
+    // The other surfaces: a mean and a variance of the neighbours that show them.
+    float means = share.x * here, mean_squares = share.x * here * here, known = share.x;
+    for (uint label = 1u; label < count; ++label) {
+        int index = int(frame.data.order[cluster_first_rank(labels, label)]);
+        ivec2 position = pixel * int(m) + window_offset(index);
+        SurfacePlane plane = fetch_plane(position);
+        bool sky = !(plane.depth > 0.0);
+        float pixel_size = length(sample_right()) * float(m);
+        float reach = kReach * pixel_size * (frame.data.orthographic != 0u ? 1.0 / frame.data.far_distance : plane.depth);
+        float sum = 0.0, sum2 = 0.0, found = 0.0;
+        for (int i = 0; i < 8; ++i) {
+            ivec2 q = clamp(pixel + neighbour(i), ivec2(0), size - 1);
+            uvec2 there = texelFetch(first_surface, q, 0).xy;
+            ivec2 at = q * int(m) + window_offset(int(frame.data.order[0]));
+            float expected = plane.depth + dot(plane.slope, vec2(at - position));
+            bool same = sky ? there.x == 0u
+                            : there.x != 0u && there.y == plane.material && abs(uintBitsToFloat(there.x) - expected) <= reach;
+            float y = shown(texelFetch(first_sample, q, 0).rgb);
+            sum += same ? y : 0.0;
+            sum2 += same ? y * y : 0.0;
+            found += same ? 1.0 : 0.0;
+        }
+        float p = share[label], mean = sum / max(found, 1.0);
+        float spread = max(sum2 - sum * mean, 0.0) / max(found - 1.0, 1.0);
+        within += sky ? 0.0 : p * kOthers * spread;
+        if (found > 0.0) {
+            known += p;
+            means += p * mean;
+            mean_squares += p * mean * mean;
+        }
+    }
+    float unseen = 1.0 - known;
+    float between = max(mean_squares / known - means / known * means / known, 0.0);
+    float energy = max(here * here, 0.05);
+    between += kUnseenContrast * unseen * known * energy;
+    within += here * here * (kSlopes * dot(share, slopes * slopes) + kUnseen * unseen + kRest * share.w);
+    // Normals of one surface that cancel leave no direction to judge by.
+    vec3 cancelled = vec3(greaterThan(slopes.xyz, vec3(kCancelled)));
+    within = dot(cancelled, share.xyz) > 0.0 ? kMostVariance : within;
+    imageStore(variance, pixel, pack_variance(within, kBetween * between, count).xyxy);
+}
