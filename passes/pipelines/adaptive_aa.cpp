@@ -4,6 +4,7 @@
 #include "framework/core/error.hpp"
 #include "passes/debug/surface_aov.hpp"
 #include "passes/pipelines/aa_baselines.hpp"
+#include "passes/post/taa.hpp"
 #include "passes/schedule/coarsen.hpp"
 #include "passes/surface/clusters.hpp"
 #include "passes/surface/first_sample.hpp"
@@ -26,9 +27,9 @@ std::vector<std::uint32_t> row_major_order(std::uint32_t m) {
     return order;
 }
 
-/// Methods that filter the picture of one sample per pixel.
+/// Methods that filter pictures of one sample per pixel.
 bool filters_picture(AaMethod method) {
-    return method == AaMethod::fxaa || method == AaMethod::smaa;
+    return method == AaMethod::fxaa || method == AaMethod::smaa || method == AaMethod::taa;
 }
 
 /// The parameters with everything derived: m = 1 and "none" are the same picture.
@@ -147,6 +148,7 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
     case AaMethod::none:
     case AaMethod::fxaa:
     case AaMethod::smaa:
+    case AaMethod::taa:
         omit_adaptive_passes(graph, "one sample per pixel: nothing to decide");
         graph.omit_pass("shade", "one sample per pixel: first_sample is the picture");
         graph.omit_pass("resolve", "one sample per pixel: first_sample is the picture");
@@ -155,6 +157,8 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
             out.radiance = add_fxaa_picture(graph, out.first_sample);
         if (params.method == AaMethod::smaa)
             out.radiance = add_smaa_picture(graph, out.first_sample);
+        if (params.method == AaMethod::taa)
+            out.radiance = add_taa(graph, {in.scene.frame, in.gbuffer, out.first_sample});
         return out;
     case AaMethod::sraa: {
         const std::string reason = "--method sraa shades one sample of every pixel";
@@ -298,10 +302,20 @@ AdaptiveAa::AdaptiveAa(
 }
 
 void AdaptiveAa::set_camera(const Camera& camera) {
-    const shader::FrameData frame = make_frame(lit_->scene(), lit_->gpu().bounds(), camera,
-        static_cast<int>(params_.width), static_cast<int>(params_.height),
-        static_cast<int>(params_.m), params_.order, LitScene::kShadowMapSize);
-    std::memcpy(frame_->mapped().data(), &frame, sizeof(frame));
+    view_ = make_frame(lit_->scene(), lit_->gpu().bounds(), camera, static_cast<int>(params_.width),
+        static_cast<int>(params_.height), static_cast<int>(params_.m), params_.order,
+        LitScene::kShadowMapSize);
+    std::memcpy(frame_->mapped().data(), &view_, sizeof(view_));
+}
+
+void AdaptiveAa::execute() {
+    if (params_.method == AaMethod::taa) {
+        shader::FrameData frame = view_;
+        set_jitter(frame, taa_jitter(executed_));
+        std::memcpy(frame_->mapped().data(), &frame, sizeof(frame));
+    }
+    executor_->execute();
+    ++executed_;
 }
 
 AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {

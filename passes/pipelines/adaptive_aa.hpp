@@ -24,6 +24,7 @@ enum class AaMethod {
     fxaa,     ///< the same, smoothed along the edges that the picture shows
     smaa,     ///< likewise
     sraa,     ///< one sample per pixel, spread over m x m geometry
+    taa,      ///< one sample per pixel and frame, gathered over the frames
     uniform,  ///< the same k everywhere
     ssaa,     ///< all m x m samples
     adaptive, ///< k by the metrics
@@ -75,7 +76,7 @@ public:
     AdaptiveAa(gpu::Device& device, const LitScene& scene, const Camera& camera,
         const AdaptiveAaParams& params);
 
-    void execute() { executor_->execute(); }
+    void execute();
     /// Looks from elsewhere from the next execution on. The plan stays as it is.
     void set_camera(const Camera& camera);
     const AdaptiveAaOutputs& outputs() const { return outputs_; }
@@ -99,6 +100,8 @@ private:
     const LitScene* lit_;
     AdaptiveAaParams params_;
     AdaptiveAaOutputs outputs_;
+    shader::FrameData view_{};   ///< before any jitter
+    std::uint32_t executed_ = 0; ///< frames so far
     std::unique_ptr<gpu::Buffer> frame_;
     std::unique_ptr<Executor> executor_;
 };

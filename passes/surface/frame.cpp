@@ -108,8 +108,8 @@ shader::FrameData make_frame(const Scene& scene, const Bounds& bounds, const Cam
     frame.background = scene.background;
     frame.ambient = scene.ambient;
     frame.m = static_cast<std::uint32_t>(m);
-    frame.size = frame.picture = {
-        static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+    frame.size =
+        frame.picture = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
     std::copy(order.begin(), order.end(), frame.order);
 
     // Rows of the projection in terms of view coordinates (x right, y up, d forward).
@@ -147,6 +147,16 @@ shader::FrameData make_frame(const Scene& scene, const Bounds& bounds, const Cam
             sun_view_projection(bounds, sun->direction, shadow_map_size, frame.sun_texel);
     }
     return frame;
+}
+
+void set_jitter(shader::FrameData& frame, glm::vec2 jitter) {
+    frame.jitter = jitter;
+    const glm::vec2 ndc = 2.0f * jitter / glm::vec2(frame.picture * frame.m);
+    for (int column = 0; column < 4; ++column) {
+        glm::vec4& v = frame.view_projection[column];
+        v.x -= ndc.x * v.w;
+        v.y -= ndc.y * v.w; // clip space points down
+    }
 }
 
 } // namespace ockham

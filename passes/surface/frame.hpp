@@ -21,4 +21,7 @@ std::vector<std::uint32_t> paper_order(int m);
 shader::FrameData make_frame(const Scene& scene, const Bounds& bounds, const Camera& camera,
     int width, int height, int m, const std::vector<std::uint32_t>& order, int shadow_map_size);
 
+/// Moves all samples of a frame that was made without: `jitter` in samples, to the right and down.
+void set_jitter(shader::FrameData& frame, glm::vec2 jitter);
+
 } // namespace ockham

@@ -29,6 +29,7 @@ struct FrameData {
     uvec2 size;      ///< of the images, pixels: the picture, or a screen tile of it
     ivec2 origin;    ///< the images' first pixel in the picture
     uvec2 picture;   ///< in pixels
+    vec2 jitter;     ///< where samples are taken, in samples from their centres to the right and down
     uint directional_count;
     uint point_count;
     uint spot_count;

@@ -44,7 +44,7 @@ vec3 sample_down() { return frame.data.up * (-2.0 / float(frame.data.picture.y *
 vec3 sample_across(ivec2 position) {
     vec2 extent = vec2(frame.data.picture * frame.data.m);
     ivec2 in_picture = position + frame.data.origin * int(frame.data.m);
-    vec2 ndc = (vec2(in_picture) + 0.5) / extent * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    vec2 ndc = (vec2(in_picture) + 0.5 + frame.data.jitter) / extent * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     return ndc.x * frame.data.right + ndc.y * frame.data.up;
 }
 
