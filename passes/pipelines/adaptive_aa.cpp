@@ -6,6 +6,7 @@
 #include "passes/pipelines/aa_baselines.hpp"
 #include "passes/post/taa.hpp"
 #include "passes/schedule/coarsen.hpp"
+#include "passes/surface/budget.hpp"
 #include "passes/surface/clusters.hpp"
 #include "passes/surface/first_sample.hpp"
 #include "passes/surface/metrics_ockham.hpp"
@@ -51,6 +52,12 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
     if (params.count_block < 1 || params.count_block > 64) {
         fail_input("--k-filter max:{}: blocks are 1 to 64 pixels wide", params.count_block);
     }
+    if (params.budget >= 0 && params.method == AaMethod::adaptive) {
+        if (params.metric != MetricKind::ockham)
+            fail_input("--budget: needs --metric ockham, which knows what a sample is worth");
+        if (params.powers_of_two || params.count_block > 1)
+            fail_input("--budget: --k-levels and --k-filter would exceed it; use one or the other");
+    }
     if (n == 1 && !filters_picture(params.method)) params.method = AaMethod::none;
     if (params.order.empty()) {
         const bool partial = params.method == AaMethod::adaptive ||
@@ -63,7 +70,7 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
 }
 
 void omit_adaptive_passes(Graph& graph, const std::string& reason) {
-    for (const char* pass : {"clusters", "metrics", "allocate", "coarsen", "bucket_count",
+    for (const char* pass : {"clusters", "metrics", "allocate", "budget", "coarsen", "bucket_count",
              "bucket_scan", "bucket_arguments", "bucket_scatter", "tile_work", "tile_list"}) {
         graph.omit_pass(pass, reason);
     }
@@ -97,10 +104,17 @@ Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clu
         const Metrics counts =
             add_metrics(graph, {in.scene.frame, in.gbuffer, first_sample}, metrics);
         graph.omit_pass("allocate", "--metric paper counts samples itself");
+        graph.omit_pass("budget", "--metric paper counts samples itself");
         return {counts.sample_count, counts.winner};
     }
     const ImageHandle variance = add_ockham_metrics(
         graph, {in.scene.frame, in.gbuffer, clusters, first_sample, {}}, params.m);
+    if (params.budget >= 0) {
+        graph.omit_pass("allocate", "--budget finds the price itself");
+        return add_budget(graph, variance,
+            {.samples = params.m * params.m, .percent = params.budget, .winner = params.aov});
+    }
+    graph.omit_pass("budget", "no --budget: the price of a sample is given");
     return add_allocate(graph, variance,
         {.samples = params.m * params.m, .lambda = params.lambda, .winner = params.aov});
 }
@@ -213,8 +227,8 @@ bool is_shading_pass(std::string_view pass) {
     if (is_baseline_pass(pass)) return true;
     // "shade" and its further rounds "shade.1", ...; the passes of the lists.
     return pass == "clusters" || pass == "first_sample" || pass == "metrics" ||
-           pass == "allocate" || pass == "coarsen" || pass.starts_with("bucket_") ||
-           pass.starts_with("tile_") || pass.starts_with("shade") ||
+           pass == "allocate" || pass.starts_with("budget") || pass == "coarsen" ||
+           pass.starts_with("bucket_") || pass.starts_with("tile_") || pass.starts_with("shade") ||
            pass == "resolve";
 }
 

@@ -41,12 +41,13 @@ struct AdaptiveAaParams {
     AaMethod method = AaMethod::adaptive;
     std::uint32_t k = 1; ///< uniform only, 1 ... m * m
     Dispatch dispatch = Dispatch::buckets;
-    bool powers_of_two = false;    ///< counts are rounded up to powers of two, n stays
-    std::uint32_t count_block = 1; ///< pixels per block and axis that share the largest count
+    bool powers_of_two = false;       ///< counts are rounded up to powers of two, n stays
+    std::uint32_t count_block = 1;    ///< pixels per block and axis that share the largest count
     std::vector<std::uint32_t> order; ///< samples by rank; empty: paper_order(m)
     MetricKind metric = MetricKind::paper;
     MetricsParams metrics;         ///< paper only; its size is set from here
     float lambda = kDefaultLambda; ///< ockham only: price of a sample, 0 ... infinity
+    float budget = -1; ///< ockham only: percent of all samples, 100 / n ... 100; < 0: by lambda
     GbufferLayout gbuffer = GbufferLayout::packed;
     std::uint32_t stall = 0;           ///< dependent FMAs per shaded sample
     std::uint32_t anisotropy = 16;     ///< 1 ... 16

@@ -31,6 +31,7 @@ struct Options {
     int k = 1;
     std::string metric = "paper";
     float lambda = kDefaultLambda;
+    float budget = -1;
     std::string order = "paper";
     std::string dispatch = "buckets";
     std::string k_levels = "all", k_filter;
@@ -75,6 +76,10 @@ void declare(Params& params, Options& o) {
     add("t-edge", &o.metrics.range_edge,
         "metric paper: so do ranges below this share of the brightest")
         .range(0, 1);
+    add("budget", &o.budget,
+        "metric ockham: samples to spend in place of --lambda, at least one a pixel; -1: by lambda")
+        .range(-1, 100)
+        .unit("percent of all samples");
     add("order", &o.order, "order of a window's samples").choices({"paper"});
     add("dispatch", &o.dispatch, "how pixels of unequal counts meet the lanes of the device")
         .choices({"loop", "buckets", "repack", "stencil", "depth", "sort"});
@@ -134,6 +139,7 @@ AdaptiveAaParams picture_params(const Options& o) {
     p.gbuffer = o.gbuffer == "visibility" ? GbufferLayout::visibility : GbufferLayout::packed;
     p.metric = o.metric == "ockham" ? MetricKind::ockham : MetricKind::paper;
     p.lambda = o.lambda;
+    p.budget = o.budget;
     p.metrics = default_metrics(p.m);
     if (o.depth_weight >= 0) p.metrics.depth_weight = o.depth_weight;
     if (o.normal_weight >= 0) p.metrics.normal_weight = o.normal_weight;

@@ -137,6 +137,8 @@ void main() {
     float energy = max(here * here, 0.05);
     between += kUnseenContrast * unseen * known * energy;
     within += here * here * (kSlopes * dot(share, slopes * slopes) + kUnseen * unseen + kRest * share.w);
+    // Where surfaces differ, some variance within them never goes unpaid, however large the budget.
+    within += 1e-4 * between;
     // Normals of one surface that cancel leave no direction to judge by.
     vec3 cancelled = vec3(greaterThan(slopes.xyz, vec3(kCancelled)));
     within = dot(cancelled, share.xyz) > 0.0 ? kMostVariance : within;
