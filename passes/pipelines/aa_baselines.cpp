@@ -8,8 +8,8 @@
 namespace ockham {
 
 bool is_baseline_pass(std::string_view pass) {
-    return pass == "display" || pass == "fxaa" || pass == "sraa" || pass.starts_with("taa") ||
-           pass.starts_with("smaa_");
+    return pass == "display" || pass == "fxaa" || pass == "sraa" || pass == "cluster_counts" ||
+           pass.starts_with("taa") || pass.starts_with("smaa_");
 }
 
 ImageHandle add_fxaa_picture(Graph& graph, ImageHandle first_sample) {

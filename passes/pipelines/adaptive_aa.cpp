@@ -7,6 +7,7 @@
 #include "passes/post/taa.hpp"
 #include "passes/schedule/coarsen.hpp"
 #include "passes/surface/budget.hpp"
+#include "passes/surface/cluster_counts.hpp"
 #include "passes/surface/clusters.hpp"
 #include "passes/surface/first_sample.hpp"
 #include "passes/surface/metrics_ockham.hpp"
@@ -33,6 +34,11 @@ bool filters_picture(AaMethod method) {
     return method == AaMethod::fxaa || method == AaMethod::smaa || method == AaMethod::taa;
 }
 
+/// Methods whose pixels differ in their counts.
+bool counts_differ(AaMethod method) {
+    return method == AaMethod::adaptive || method == AaMethod::msaa;
+}
+
 /// The parameters with everything derived: m = 1 and "none" are the same picture.
 AdaptiveAaParams settled(AdaptiveAaParams params) {
     if (params.width < 1 || params.height < 1 || params.width > 16384 || params.height > 16384) {
@@ -43,6 +49,7 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
         fail_input("m = {}: the window must be 1 to {} samples wide", params.m, MAX_WINDOW);
     }
     if (params.method == AaMethod::none || filters_picture(params.method)) params.m = 1;
+    if (params.method == AaMethod::msaa) params.m = 2;
     const std::uint32_t n = params.m * params.m;
     if (params.method == AaMethod::ssaa) params.k = n;
     if (params.method == AaMethod::uniform && (params.k < 1 || params.k > n)) {
@@ -60,7 +67,7 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
     }
     if (n == 1 && !filters_picture(params.method)) params.method = AaMethod::none;
     if (params.order.empty()) {
-        const bool partial = params.method == AaMethod::adaptive ||
+        const bool partial = counts_differ(params.method) ||
                              params.method == AaMethod::sraa ||
                              (params.method == AaMethod::uniform && params.k < n);
         params.order =
@@ -89,6 +96,7 @@ void omit_what_the_scene_lacks(Graph& graph, const SceneFacts& facts) {
 
 /// What needs to know the surfaces of each window; empty: nothing.
 std::string clusters_reason(const AdaptiveAaParams& params) {
+    if (params.method == AaMethod::msaa) return "--method msaa shades all samples of edges";
     if (params.method != AaMethod::adaptive) return "";
     return params.metric == MetricKind::ockham ? "--metric ockham looks at surfaces apart" : "";
 }
@@ -96,6 +104,14 @@ std::string clusters_reason(const AdaptiveAaParams& params) {
 /// k of every pixel, and what asked for it.
 Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clusters,
     ImageHandle first_sample, const AdaptiveAaParams& params) {
+    if (params.method == AaMethod::msaa) {
+        for (const char* pass : {"metrics", "allocate", "budget"})
+            graph.omit_pass(pass, "--method msaa looks at surfaces only");
+        return {add_cluster_counts(graph, clusters.labels,
+                    {.samples = 4, .single = 1, .several = 4},
+                    "--method msaa: all samples where a pixel sees several surfaces"),
+            {}};
+    }
     if (params.metric == MetricKind::paper) {
         MetricsParams metrics = params.metrics;
         metrics.width = params.width;
@@ -193,6 +209,7 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
         out.radiance = add_resolve_uniform(graph, sum, params.k);
         return out;
     }
+    case AaMethod::msaa:
     case AaMethod::adaptive:
         break;
     }
@@ -279,7 +296,7 @@ AdaptiveAaOutputs add_adaptive_aa(
 AdaptiveAa::AdaptiveAa(
     gpu::Device& device, const LitScene& lit, const Camera& camera, const AdaptiveAaParams& params)
     : lit_(&lit), params_(settled(params)) {
-    if (params_.method == AaMethod::adaptive && params_.dispatch == Dispatch::stencil &&
+    if (counts_differ(params_.method) && params_.dispatch == Dispatch::stencil &&
         !device.exports_stencil()) {
         fail_device("--dispatch stencil needs VK_EXT_shader_stencil_export, which '{}' lacks; "
                     "--dispatch depth does the same without it",
@@ -337,7 +354,7 @@ AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {
     const std::uint64_t pixels = std::uint64_t{params_.width} * params_.height;
     SampleCounts counts;
     counts.histogram.assign(n, 0);
-    if (params_.method != AaMethod::adaptive) {
+    if (!counts_differ(params_.method)) {
         const bool counted =
             params_.method == AaMethod::uniform || params_.method == AaMethod::ssaa;
         const std::uint32_t k = counted ? params_.k : 1;

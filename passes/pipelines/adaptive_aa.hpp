@@ -25,6 +25,7 @@ enum class AaMethod {
     smaa,     ///< likewise
     sraa,     ///< one sample per pixel, spread over m x m geometry
     taa,      ///< one sample per pixel and frame, gathered over the frames
+    msaa,     ///< 4 samples (m = 2): all where a pixel sees several surfaces, else one
     uniform,  ///< the same k everywhere
     ssaa,     ///< all m x m samples
     adaptive, ///< k by the metrics

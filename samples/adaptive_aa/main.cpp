@@ -53,7 +53,7 @@ void declare(Params& params, Options& o) {
     };
     add("m", &o.m, "window width: m x m samples per pixel").range(1, 8);
     add("method", &o.method, "anti-aliasing")
-        .choices({"none", "fxaa", "smaa", "sraa", "taa", "uniform", "ssaa", "adaptive"});
+        .choices({"none", "fxaa", "smaa", "sraa", "taa", "msaa", "uniform", "ssaa", "adaptive"});
     add("k", &o.k, "samples per pixel of --method uniform").range(1, 64);
     add("preset", &o.preset, "all choices below at once").choices({"paper"});
     add("metric", &o.metric, "what decides the samples per pixel").choices({"paper", "ockham"});
@@ -124,6 +124,7 @@ AdaptiveAaParams picture_params(const Options& o) {
                : o.method == "smaa"    ? AaMethod::smaa
                : o.method == "sraa"    ? AaMethod::sraa
                : o.method == "taa"     ? AaMethod::taa
+               : o.method == "msaa"    ? AaMethod::msaa
                : o.method == "uniform" ? AaMethod::uniform
                : o.method == "ssaa"    ? AaMethod::ssaa
                                        : AaMethod::adaptive;

@@ -29,7 +29,7 @@ std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base) {
     const std::uint32_t n = base.m * base.m;
     std::vector<AaSetting> settings{fixed("none", AaMethod::none, base),
         fixed("fxaa", AaMethod::fxaa, base), fixed("smaa", AaMethod::smaa, base),
-        fixed("sraa", AaMethod::sraa, base)};
+        fixed("sraa", AaMethod::sraa, base), fixed("msaa", AaMethod::msaa, base)};
     for (std::uint32_t k = 1; k < n; ++k) {
         AaSetting setting = fixed("uniform", AaMethod::uniform, base);
         setting.knob = setting.params.k = k;
@@ -43,6 +43,13 @@ std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base) {
                  &setting.params.metrics.normal_weight, &setting.params.metrics.shading_weight}) {
             *weight *= static_cast<float>(scale);
         }
+        settings.push_back(setting);
+    }
+    for (double lambda = 1e-6; lambda < 0.02; lambda *= std::sqrt(10.0)) {
+        AaSetting setting = fixed("ockham", AaMethod::adaptive, base);
+        setting.knob = lambda;
+        setting.params.metric = MetricKind::ockham;
+        setting.params.lambda = static_cast<float>(lambda);
         settings.push_back(setting);
     }
     settings.push_back(fixed("ssaa", AaMethod::ssaa, base));

@@ -36,7 +36,8 @@ struct AaPoint {
 };
 
 /// What there is to compare at the window width of `base`, whose other parameters all share:
-/// no, filtered, uniform, adaptive and full supersampling.
+/// no, filtered and multisampled, uniform, adaptive and full supersampling. TAA is not there: what
+/// it shades depends on the frames before.
 std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base);
 
 class AaSweep {

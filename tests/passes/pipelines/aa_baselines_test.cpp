@@ -34,6 +34,7 @@ protected:
         params.height = 120;
         params.m = m;
         params.method = method;
+        params.export_counts = true;
         AdaptiveAa aa(device(), lit, lit.scene().cameras.front(), params);
         aa.execute();
         return aa;
@@ -65,6 +66,19 @@ TEST_F(AaBaselinesTest, FiltersShadeOneSamplePerPixelWhateverM) {
             EXPECT_EQ(is_shading_pass(time.pass), time.pass != "gbuffer") << time.pass;
         }
     }
+}
+
+TEST_F(AaBaselinesTest, MultisamplingShadesAllSamplesOfEdgesAndOneElsewhere) {
+    const LitScene lit(device(), fans());
+    AdaptiveAa aa = make(lit, AaMethod::msaa);
+    const Image picture = aa.picture(), all = make(lit, AaMethod::ssaa, 2).picture();
+    const auto counts = aa.sample_counts();
+    ASSERT_EQ(counts.histogram.size(), 4u);
+    EXPECT_EQ(counts.histogram[1] + counts.histogram[2], 0u);
+    EXPECT_GT(counts.histogram[0], 4 * counts.histogram[3]);
+    EXPECT_GT(counts.histogram[3], 500u);
+    // Flat colours: nothing is lost inside of surfaces, and edges have all their samples.
+    EXPECT_EQ(image_error(picture, all).mse, 0.0);
 }
 
 } // namespace
