@@ -14,6 +14,7 @@
 #include "passes/surface/resolve.hpp"
 #include "passes/surface/shade.hpp"
 #include "passes/surface/sraa.hpp"
+#include "passes/surface/variance_history.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -77,8 +78,9 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
 }
 
 void omit_adaptive_passes(Graph& graph, const std::string& reason) {
-    for (const char* pass : {"clusters", "metrics", "allocate", "budget", "coarsen", "bucket_count",
-             "bucket_scan", "bucket_arguments", "bucket_scatter", "tile_work", "tile_list"}) {
+    for (const char* pass :
+        {"clusters", "metrics", "variance_history", "allocate", "budget", "coarsen", "bucket_count",
+            "bucket_scan", "bucket_arguments", "bucket_scatter", "tile_work", "tile_list"}) {
         graph.omit_pass(pass, reason);
     }
 }
@@ -120,11 +122,18 @@ Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clu
         const Metrics counts =
             add_metrics(graph, {in.scene.frame, in.gbuffer, first_sample}, metrics);
         graph.omit_pass("allocate", "--metric paper counts samples itself");
+        graph.omit_pass("variance_history", "--metric paper expects no variance");
         graph.omit_pass("budget", "--metric paper counts samples itself");
         return {counts.sample_count, counts.winner};
     }
-    const ImageHandle variance = add_ockham_metrics(
+    ImageHandle variance = add_ockham_metrics(
         graph, {in.scene.frame, in.gbuffer, clusters, first_sample, {}}, params.m);
+    if (in.frame_before) {
+        variance = add_variance_history(
+            graph, {in.scene.frame, in.frame_before, variance, clusters.first_surface});
+    } else {
+        graph.omit_pass("variance_history", "the camera stays: nothing to remember");
+    }
     if (params.budget >= 0) {
         graph.omit_pass("allocate", "--budget finds the price itself");
         return add_budget(graph, variance,
@@ -244,9 +253,9 @@ bool is_shading_pass(std::string_view pass) {
     if (is_baseline_pass(pass)) return true;
     // "shade" and its further rounds "shade.1", ...; the passes of the lists.
     return pass == "clusters" || pass == "first_sample" || pass == "metrics" ||
-           pass == "allocate" || pass.starts_with("budget") || pass == "coarsen" ||
-           pass.starts_with("bucket_") || pass.starts_with("tile_") || pass.starts_with("shade") ||
-           pass == "resolve";
+           pass == "variance_history" || pass == "allocate" || pass.starts_with("budget") ||
+           pass == "coarsen" || pass.starts_with("bucket_") || pass.starts_with("tile_") ||
+           pass.starts_with("shade") || pass == "resolve";
 }
 
 AdaptiveAaOutputs add_adaptive_aa(
@@ -308,12 +317,23 @@ AdaptiveAa::AdaptiveAa(
                                                        .name = "frame",
                                                        .memory = gpu::MemoryUse::upload});
     set_camera(camera);
+    const bool history = params_.history && params_.method == AaMethod::adaptive &&
+                         params_.metric == MetricKind::ockham;
 
     Graph graph("adaptive_aa");
     ShadingInputs in;
     in.scene.scene = &lit.gpu();
     in.scene.handles = lit.gpu().import(graph);
     in.scene.frame = graph.import_buffer("frame", {kBytes}, {});
+    if (history) {
+        frame_before_ =
+            std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = kBytes,
+                                                      .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                                      .name = "frame_before",
+                                                      .memory = gpu::MemoryUse::upload});
+        std::memcpy(frame_before_->mapped().data(), frame_->mapped().data(), kBytes);
+        in.frame_before = graph.import_buffer("frame_before", {kBytes}, {});
+    }
     if (const gpu::Image* map = lit.shadow_map()) {
         in.shadow_map = graph.import_image("shadow_map",
             {.format = map->info().format,
@@ -329,6 +349,7 @@ AdaptiveAa::AdaptiveAa(
     executor_ = std::make_unique<Executor>(device, std::move(graph), policy);
     lit.gpu().bind(*executor_, in.scene.handles);
     executor_->bind(in.scene.frame, *frame_);
+    if (history) executor_->bind(in.frame_before, *frame_before_);
     if (in.shadow_map) executor_->bind(in.shadow_map, *lit.shadow_map());
 }
 
@@ -347,6 +368,7 @@ void AdaptiveAa::execute() {
     }
     executor_->execute();
     ++executed_;
+    if (frame_before_) std::memcpy(frame_before_->mapped().data(), &view_, sizeof(view_));
 }
 
 AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {

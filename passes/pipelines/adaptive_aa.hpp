@@ -48,6 +48,7 @@ struct AdaptiveAaParams {
     MetricKind metric = MetricKind::paper;
     MetricsParams metrics;         ///< paper only; its size is set from here
     float lambda = kDefaultLambda; ///< ockham only: price of a sample, 0 ... infinity
+    bool history = false;          ///< ockham only, the camera moves: counts fall little by little
     float budget = -1; ///< ockham only: percent of all samples, 100 / n ... 100; < 0: by lambda
     GbufferLayout gbuffer = GbufferLayout::packed;
     std::uint32_t stall = 0;           ///< dependent FMAs per shaded sample
@@ -102,9 +103,9 @@ private:
     const LitScene* lit_;
     AdaptiveAaParams params_;
     AdaptiveAaOutputs outputs_;
-    shader::FrameData view_{};   ///< before any jitter
-    std::uint32_t executed_ = 0; ///< frames so far
-    std::unique_ptr<gpu::Buffer> frame_;
+    shader::FrameData view_{};                          ///< before any jitter
+    std::uint32_t executed_ = 0;                        ///< frames so far
+    std::unique_ptr<gpu::Buffer> frame_, frame_before_; ///< before: with history only
     std::unique_ptr<Executor> executor_;
 };
 

@@ -31,6 +31,7 @@ struct Options {
     int k = 1;
     std::string metric = "paper";
     float lambda = kDefaultLambda;
+    bool history = true;
     float budget = -1;
     std::string order = "paper";
     std::string dispatch = "buckets";
@@ -60,6 +61,8 @@ void declare(Params& params, Options& o) {
     add("lambda", &o.lambda,
         "metric ockham: squared error that a sample must remove; 0: all samples, inf: one")
         .range(0, std::numeric_limits<double>::infinity());
+    add("history", &o.history, "metric ockham, moving cameras: counts fall little by little")
+        .on_off();
     add("c-depth", &o.depth_weight,
         "metric paper: weight of the depth variance; -1: 15 m (60 at 4 x 4)")
         .range(-1, 1e9)
@@ -114,7 +117,7 @@ std::uint32_t parse_k_filter(const std::string& text) {
     return block;
 }
 
-AdaptiveAaParams picture_params(const Options& o) {
+AdaptiveAaParams picture_params(const Options& o, bool moving) {
     AdaptiveAaParams p;
     p.width = static_cast<std::uint32_t>(o.common.width);
     p.height = static_cast<std::uint32_t>(o.common.height);
@@ -140,6 +143,7 @@ AdaptiveAaParams picture_params(const Options& o) {
     p.gbuffer = o.gbuffer == "visibility" ? GbufferLayout::visibility : GbufferLayout::packed;
     p.metric = o.metric == "ockham" ? MetricKind::ockham : MetricKind::paper;
     p.lambda = o.lambda;
+    p.history = o.history && moving;
     p.budget = o.budget;
     p.metrics = default_metrics(p.m);
     if (o.depth_weight >= 0) p.metrics.depth_weight = o.depth_weight;
@@ -262,7 +266,7 @@ int render(int argc, char** argv) {
         choose_cameras(o.moves, o.common, choose_camera(o.common, lit.scene(), lit.gpu().bounds()),
             lit.gpu().bounds().center(), UpAxis::y, params.given("frames") ? o.common.frames : 0);
     check_pictures(o.common, cameras.size());
-    AdaptiveAa aa(device, lit, cameras.front(), picture_params(o));
+    AdaptiveAa aa(device, lit, cameras.front(), picture_params(o, cameras.size() > 1));
     run.announce(device, aa.executor());
     log::info("{} triangles, {} lights; scene {} MiB, graph {} MiB", lit.gpu().facts().triangles,
         lit.scene().lights.size(), lit.gpu().bytes() >> 20, aa.executor().plan().bytes_peak >> 20);

@@ -262,6 +262,33 @@ TEST_F(AdaptiveAaTest, AMovedCameraSeesWhatOneThatStoodThereSees) {
     EXPECT_FALSE(equal_bits(moved.picture(), render(p)));
 }
 
+TEST_F(AdaptiveAaTest, OnlyMovingCamerasRemember) {
+    AdaptiveAaParams p = params(33, 21, 3, AaMethod::adaptive);
+    p.metric = MetricKind::ockham;
+    AdaptiveAa still(device(), varied(), camera(), p);
+    EXPECT_FALSE(runs(still, "variance_history"));
+    EXPECT_FALSE(has(still, "variance_history"));
+    EXPECT_NE(explanation(still).find("nothing to remember"), std::string::npos);
+    still.execute();
+    p.history = true;
+    AdaptiveAa moving(device(), varied(), camera(), p);
+    EXPECT_TRUE(runs(moving, "variance_history"));
+    moving.execute();
+    EXPECT_TRUE(equal_bits(still.picture(), moving.picture())) << "there was nothing before";
+    const double first = moving.sample_counts().percent;
+    Camera other = camera();
+    other.position += glm::vec3(0.02f, 0.01f, 0.0f);
+    moving.set_camera(other);
+    moving.execute();
+    still.set_camera(other);
+    still.execute();
+    EXPECT_GE(moving.sample_counts().percent, still.sample_counts().percent);
+    EXPECT_LT(moving.sample_counts().percent, 1.5 * first);
+    p.metric = MetricKind::paper;
+    AdaptiveAa paper(device(), varied(), camera(), p);
+    EXPECT_FALSE(has(paper, "frame_before"));
+}
+
 TEST_F(AdaptiveAaTest, StallChangesNoBit) {
     AdaptiveAaParams p = params(33, 21, 3, AaMethod::adaptive);
     const Image plain = render(p);
