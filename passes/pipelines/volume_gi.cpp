@@ -95,7 +95,7 @@ VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunc
     : device_(device), place_(place_of(volume)), gpu_(device, volume, transfer, environment),
       view_(view), camera_(camera), params_(checked(params)),
       frame_(device, gpu::BufferInfo{.bytes = sizeof(shader::VolumeFrame),
-                         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                         .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                          .name = "frame",
                          .memory = gpu::MemoryUse::upload}) {
     show(view, camera);

@@ -3,6 +3,9 @@
 
 #include "framework/runtime/commands.hpp"
 #include "shaders/volume/ranges.h"
+#include "shaders/volume/reach.h"
+
+#include <fmt/format.h>
 
 namespace ockham {
 namespace {
@@ -21,6 +24,43 @@ BufferHandle add_ranges(Graph& graph, const VolumeFacts& facts, ImageHandle volu
             push.cells);
     });
     return ranges;
+}
+
+BufferHandle add_opacities(Graph& graph, const VolumeHandles& handles, BufferHandle frame,
+    BufferHandle ranges, glm::uvec3 cells) {
+    PassBuilder pass = graph.add_compute_pass("majorants");
+    pass.because("free flights are drawn by the greatest extinction of each cell");
+    pass.uniform("frame", frame)
+        .read("transfer", handles.transfer)
+        .read("opacity_max", handles.opacity_max)
+        .read("ranges", ranges);
+    const std::uint64_t count = std::uint64_t{cells.x} * cells.y * cells.z;
+    const BufferHandle out =
+        pass.write("majorants", graph.create_buffer("opacities", {count * sizeof(float)}));
+    pass.record([cells](Commands& commands) {
+        commands.dispatch_over({.shader = "volume/majorants.comp"}, cells);
+    });
+    return out;
+}
+
+/// How far rays may go through empty cells at once; an axis at a time.
+BufferHandle add_reach(Graph& graph, BufferHandle opacities, glm::uvec3 cells) {
+    BufferHandle out = opacities;
+    const BufferDesc desc = graph.desc(opacities);
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        PassBuilder pass = graph.add_compute_pass(fmt::format("reach_{}", "xyz"[axis]));
+        pass.because("rays leave all empty cells around them at once");
+        pass.read("from", out);
+        out = pass.write("to", axis < 2
+                                   ? graph.create_buffer(fmt::format("reach_{}", "xyz"[axis]), desc)
+                                   : graph.create_persistent_buffer("majorants", desc));
+        pass.record([push = shader::ReachPush{cells, axis}](Commands& commands) {
+            commands.dispatch_over(
+                {.shader = "volume/reach.comp", .specialization = {}, .push = as_push(push)},
+                push.cells);
+        });
+    }
+    return out;
 }
 
 } // namespace
@@ -42,18 +82,8 @@ Majorants add_majorants(Graph& graph, const VolumeFacts& facts, const VolumeHand
     if (facts.homogeneous) return out;
 
     const GuardScope guard = graph.when(changed.transfer);
-    PassBuilder pass = graph.add_compute_pass("majorants");
-    pass.because("free flights are drawn by the greatest extinction of each cell");
-    pass.read("frame", frame)
-        .read("transfer", handles.transfer)
-        .read("opacity_max", handles.opacity_max)
-        .read("ranges", out.ranges);
-    const std::uint64_t count = graph.desc(out.ranges).bytes / sizeof(glm::vec2);
-    out.majorants = pass.write(
-        "majorants", graph.create_persistent_buffer("majorants", {count * sizeof(float)}));
-    pass.record([cells = facts.cells](Commands& commands) {
-        commands.dispatch_over({.shader = "volume/majorants.comp"}, cells);
-    });
+    out.majorants = add_reach(
+        graph, add_opacities(graph, handles, frame, out.ranges, facts.cells), facts.cells);
     return out;
 }
 

@@ -7,7 +7,7 @@
 namespace ockham {
 
 void read_medium(PassBuilder& pass, const MediumInputs& in, const MediumUse& use) {
-    pass.read("frame", in.frame)
+    pass.uniform("frame", in.frame)
         .sample("volume", in.handles.volume, Stage::compute, Filter::linear_clamp)
         .read("transfer", in.handles.transfer);
     if (in.facts.emission) pass.read("emission", in.handles.emission);

@@ -1,5 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Display encoding and luma. Everything else in the shaders is linear radiance.
+// Luminance, display encoding and luma. Everything else in the shaders is linear radiance.
+#ifndef OCKHAM_COLOR_GLSL
+#define OCKHAM_COLOR_GLSL
+
+const vec3 kRec709 = vec3(0.2126, 0.7152, 0.0722);
+
+/// Rec. 709 luminance of linear colour.
+float luminance(vec3 linear) { return dot(linear, kRec709); }
 
 /// sRGB transfer function (IEC 61966-2-1) of clamped linear colour.
 vec3 srgb_encode(vec3 linear) {
@@ -13,4 +20,6 @@ vec3 srgb_decode(vec3 encoded) {
 }
 
 /// Rec. 709 luma of display-encoded colour, in [0,1].
-float luma(vec3 linear) { return dot(srgb_encode(linear), vec3(0.2126, 0.7152, 0.0722)); }
+float luma(vec3 linear) { return dot(srgb_encode(linear), kRec709); }
+
+#endif

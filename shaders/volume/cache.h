@@ -73,7 +73,7 @@ struct CachePath {
     vec3 to_light; ///< ... which is there
     uint tries;    ///< places that were no good for the next path's beginning
 };
-OCKHAM_SHARED_SIZE(CachePath, 160);
+OCKHAM_SHARED_SIZE(CachePath, 164);
 
 /// Where refinement stands; kept between executions.
 struct CacheControl {

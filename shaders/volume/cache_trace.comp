@@ -99,7 +99,7 @@ void main() {
 
     // Statistics: whole numbers, so that their order does not matter.
     atomicAdd(cache_control.data.step_paths, done);
-    atomicAdd(cache_control.data.step_events, path_steps);
+    atomicAdd(cache_control.data.step_events, tentative_collisions);
     if (sum.owed > 0u) atomicAdd(cache_control.data.step_resumed, 1u);
-    if (path_clamped + bad > 0u) atomicAdd(cache_control.data.clamped, path_clamped + bad);
+    if (clamped_collisions + bad > 0u) atomicAdd(cache_control.data.clamped, clamped_collisions + bad);
 }

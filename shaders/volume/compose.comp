@@ -95,8 +95,8 @@ bool march(inout Composition c, Ray ray, float end, inout uint budget) {
         bool skip = true;
         while (skip && c.t < end && budget > 0u) {
             --budget;
+            majorant = enter_cell(walk);
             exit = min(majorant_exit(walk), end);
-            majorant = cell_majorant(cell_index(walk));
             skip = majorant <= 0.0 || exit <= c.t;
             if (skip) {
                 c.t = max(c.t, exit);

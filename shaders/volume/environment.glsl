@@ -8,6 +8,7 @@
 #ifndef OCKHAM_VOLUME_ENVIRONMENT_GLSL
 #define OCKHAM_VOLUME_ENVIRONMENT_GLSL
 
+#include "include/color.glsl"
 #include "volume/medium.glsl"
 
 #ifdef ENVIRONMENT_MAP
@@ -28,7 +29,7 @@ uvec2 environment_texel(vec3 direction) {
     // Both by atan(): acos() is good to three digits on some drivers.
     vec2 place = vec2(0.5 + atan(direction.x, direction.y) / (2.0 * kPi),
         atan(length(direction.xy), direction.z) / kPi);
-    uvec2 size = frame.data.environment_size;
+    uvec2 size = constants.environment_size;
     return min(uvec2(place * vec2(size)), size - 1u);
 }
 
@@ -38,7 +39,7 @@ vec3 environment_radiance(vec3 direction) {
 
 /// Per steradian, where this is the radiance.
 float environment_pdf_of(vec3 radiance) {
-    return environment_table.pdf_scale * dot(radiance, vec3(0.2126, 0.7152, 0.0722)) +
+    return environment_table.pdf_scale * luminance(radiance) +
            environment_table.pdf_offset;
 }
 float environment_pdf(vec3 direction) {
@@ -66,7 +67,7 @@ float rest_of(uint begin, uint entry, float xi) {
 
 /// Radiance from a direction that is drawn with density `pdf`; `xi` in (0, 1).
 vec3 sample_environment(vec2 xi, out vec3 direction, out float pdf) {
-    uvec2 size = frame.data.environment_size;
+    uvec2 size = constants.environment_size;
     uint rows = size.y + 1u;
     uint row = first_beyond(rows, size.y, xi.y);
     uint columns = rows + size.y + row * size.x;
@@ -88,7 +89,7 @@ vec3 sample_environment(vec2 xi, out vec3 direction, out float pdf) {
 
 #else
 
-vec3 environment_radiance(vec3 direction) { return frame.data.environment; }
+vec3 environment_radiance(vec3 direction) { return constants.environment; }
 
 #endif
 

@@ -11,7 +11,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(scalar, binding = 0) readonly buffer Frame { VolumeFrame data; } frame;
+layout(scalar, binding = 0) uniform Frame { VolumeFrame data; } frame;
 layout(scalar, binding = 2) readonly buffer Transfer { vec4 entries[]; } transfer;
 layout(scalar, binding = 4) readonly buffer Ranges { vec2 cells[]; } ranges;
 layout(scalar, binding = 10) readonly buffer OpacityMax { float levels[]; } opacity_max;

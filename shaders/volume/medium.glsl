@@ -11,7 +11,10 @@
 
 #include "shared/volume.h"
 
-layout(scalar, binding = 0) readonly buffer Frame { VolumeFrame data; } frame;
+layout(scalar, binding = 0) uniform Frame { VolumeFrame data; } frame;
+// Read once: a driver may load again, for each lane, what a loop reads. Of arrays, what has a constant
+// index.
+VolumeFrame constants = frame.data;
 layout(binding = 1) uniform sampler3D volume; // linear, clamped
 layout(scalar, binding = 2) readonly buffer Transfer { vec4 entries[]; } transfer; // colour, opacity
 #ifdef EMISSION
@@ -30,23 +33,23 @@ struct Medium {
 
 vec3 unit_from_world(vec3 world) {
     vec4 p = vec4(world, 1.0);
-    return vec3(dot(frame.data.unit_from_world[0], p), dot(frame.data.unit_from_world[1], p),
-        dot(frame.data.unit_from_world[2], p));
+    return vec3(dot(constants.unit_from_world[0], p), dot(constants.unit_from_world[1], p),
+        dot(constants.unit_from_world[2], p));
 }
 vec3 unit_from_world_direction(vec3 direction) {
-    return vec3(dot(frame.data.unit_from_world[0].xyz, direction),
-        dot(frame.data.unit_from_world[1].xyz, direction), dot(frame.data.unit_from_world[2].xyz, direction));
+    return vec3(dot(constants.unit_from_world[0].xyz, direction),
+        dot(constants.unit_from_world[1].xyz, direction), dot(constants.unit_from_world[2].xyz, direction));
 }
-vec3 world_from_unit(vec3 unit) { return frame.data.corner + frame.data.world_from_unit * unit; }
+vec3 world_from_unit(vec3 unit) { return constants.corner + constants.world_from_unit * unit; }
 
 /// The field at unit coordinates: trilinear between voxel centres, clamped to the outermost.
 float field(vec3 unit) { return textureLod(volume, unit, 0.0).x; }
 
 /// Entry of the transfer table, and how far to the next.
 void table_place(float value, out uint entry, out float fraction) {
-    float x = clamp((value - frame.data.table_first) * frame.data.table_scale, 0.0,
-        float(frame.data.table_size - 1u));
-    entry = min(uint(x), frame.data.table_size - 2u);
+    float x = clamp((value - constants.table_first) * constants.table_scale, 0.0,
+        float(constants.table_size - 1u));
+    entry = min(uint(x), constants.table_size - 2u);
     fraction = x - float(entry);
 }
 
@@ -56,12 +59,21 @@ Medium medium_of(float value) {
     table_place(value, entry, fraction);
     vec4 row = mix(transfer.entries[entry], transfer.entries[entry + 1u], fraction);
     Medium medium;
-    medium.sigma_t = frame.data.density_scale * row.w;
-    medium.albedo = frame.data.albedo * row.xyz;
+    medium.sigma_t = constants.density_scale * row.w;
+    medium.albedo = constants.albedo * row.xyz;
 #ifdef EMISSION
     medium.emitted = mix(emission.entries[entry], emission.entries[entry + 1u], fraction);
 #endif
     return medium;
+}
+
+/// sigma_t of medium_of(), which reads more.
+float extinction_of(float value) {
+    uint entry;
+    float fraction;
+    table_place(value, entry, fraction);
+    return constants.density_scale *
+        mix(transfer.entries[entry].w, transfer.entries[entry + 1u].w, fraction);
 }
 
 /// The part [near, far] of a world-space ray that lies inside the box, the crop box and the clip
@@ -69,24 +81,16 @@ Medium medium_of(float value) {
 /// it enters by; 0 where it starts inside.
 bool clip_ray(vec3 origin, vec3 direction, out float near, out float far, out vec3 entry_normal) {
     vec3 o = unit_from_world(origin), d = unit_from_world_direction(direction);
-    near = 0.0;
-    far = kInfinity;
-    entry_normal = vec3(0.0);
-    for (int axis = 0; axis < 3; ++axis) {
-        float low = frame.data.crop_min[axis], high = frame.data.crop_max[axis];
-        if (d[axis] == 0.0) { // parallel: in or out as a whole
-            if (o[axis] < low || o[axis] > high) return false;
-            continue;
-        }
-        float a = (low - o[axis]) / d[axis], b = (high - o[axis]) / d[axis];
-        if (min(a, b) > near) {
-            near = min(a, b);
-            vec3 towards = frame.data.unit_from_world[axis].xyz; // grows along the axis
-            entry_normal = normalize(d[axis] > 0.0 ? -towards : towards);
-        }
-        far = min(far, max(a, b));
-    }
-    for (uint i = 0u; i < frame.data.clip_count; ++i) {
+    // Parallel to a side: a crossing far away, before or behind.
+    vec3 inverse = 1.0 / mix(d, vec3(1e-20), lessThan(abs(d), vec3(1e-20)));
+    vec3 a = (constants.crop_min - o) * inverse, b = (constants.crop_max - o) * inverse;
+    vec3 entries = min(a, b), exits = max(a, b);
+    near = max(max(entries.x, entries.y), max(entries.z, 0.0));
+    far = min(min(exits.x, exits.y), exits.z);
+    int axis = entries.x == near ? 0 : entries.y == near ? 1 : 2;
+    vec3 away = -sign(inverse[axis]) * constants.unit_from_world[axis].xyz; // the rows grow inwards
+    entry_normal = near > 0.0 ? normalize(away) : vec3(0.0);
+    for (uint i = 0u; i < constants.clip_count; ++i) {
         vec4 plane = frame.data.clip_planes[i];
         float height = dot(plane.xyz, origin) + plane.w, slope = dot(plane.xyz, direction);
         if (slope == 0.0) {
@@ -106,11 +110,11 @@ bool clip_ray(vec3 origin, vec3 direction, out float near, out float far, out ve
 
 /// A world-space ray through a point of the picture; `pixel` in pixels, (0, 0) the upper left corner.
 void camera_ray(vec2 pixel, out vec3 origin, out vec3 direction) {
-    vec2 p = pixel / vec2(frame.data.size) * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
-    vec3 aside = p.x * frame.data.right + p.y * frame.data.up;
-    bool flat_view = frame.data.orthographic != 0u;
-    origin = frame.data.position + (flat_view ? aside : vec3(0.0));
-    direction = normalize(flat_view ? frame.data.forward : frame.data.forward + aside);
+    vec2 p = pixel / vec2(constants.size) * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    vec3 aside = p.x * constants.right + p.y * constants.up;
+    bool flat_view = constants.orthographic != 0u;
+    origin = constants.position + (flat_view ? aside : vec3(0.0));
+    direction = normalize(flat_view ? constants.forward : constants.forward + aside);
 }
 
 #endif

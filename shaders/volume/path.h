@@ -8,28 +8,32 @@
 
 OCKHAM_SHARED_BEGIN
 
-#define PATH_ENDED 0u  // radiance is the estimate; also what zeroed memory says
-#define PATH_FLIGHT 1u // looks for the next collision
-#define PATH_SHADOW 2u // looks how much of the light arrives at the last one
+// Stages. A path that has ended holds its estimate in radiance; zeroed memory says so too.
+#define PATH_ENDED 0u
+#define PATH_FLIGHT 1u  // looks for the next collision
+#define PATH_SCATTER 2u // is about to leave a collision in the medium
+#define PATH_CAMERA 3u  // is about to leave the camera
+#define PATH_SHADOW 4u  // with FLIGHT or SCATTER, before it: how much light arrives at the collision
 
 struct Path {
     vec3 radiance;       ///< estimate so far
     vec3 throughput;     ///< of the flight; 0: the path ends with its shadow ray
-    vec3 origin;         ///< world, of the flight and of the shadow ray
+    vec3 origin;         ///< world, of the flight and of the shadow ray; PATH_CAMERA: the pixel
     vec3 direction;      ///< of the flight
     vec3 pending;        ///< what the light adds at the origin where nothing stands between
     vec3 to_light;       ///< direction of the shadow ray
     float transmittance; ///< of the shadow ray up to t
     float t;             ///< how far the ray has come; < 0: it has not begun
     float depth;         ///< optical depth, under the majorants, to the next tentative collision
+    float chance;        ///< uniform: that one is real for a flight where it is more likely
     float pdf;           ///< of the direction, per steradian; < 0: no sampled light competes with it
     float search;        ///< up to where no surface is; < 0: the ray may begin in a solid
     uint cell;           ///< that t lies in, packed
     uint stage;          ///< PATH_*
     uint bounces;        ///< scatterings so far
-    uvec4 random;        ///< seed, stream, sample, next set
+    uvec4 random;        ///< seed, stream, sample, next set of what has no fixed place
 };
-OCKHAM_SHARED_SIZE(Path, 120);
+OCKHAM_SHARED_SIZE(Path, 124);
 
 OCKHAM_SHARED_END
 

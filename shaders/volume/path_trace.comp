@@ -11,6 +11,7 @@
 
 layout(push_constant, scalar) uniform Push { PathTracePush push; };
 #define PATH_NEE (push.nee != 0u)
+#include "include/color.glsl"
 #include "volume/path.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -27,19 +28,11 @@ void count(uint what, uint more) {
     if (old > ~more) atomicAdd(statistics.sums[what].y, 1u);
 }
 
-Path begin_sample(uvec2 pixel, uint index) {
-    Random random = make_random(frame.data.seed, pixel.y * frame.data.size.x + pixel.x, index);
-    vec4 xi = next4(random);
-    vec3 origin, direction;
-    camera_ray(vec2(pixel) + (push.jitter != 0u ? xi.xy : vec2(0.5)), origin, direction);
-    return begin_camera_path(origin, direction, random);
-}
-
 void main() {
     uvec2 pixel = gl_GlobalInvocationID.xy + uvec2(0u, push.first_row);
-    if (pixel.x >= frame.data.size.x || gl_GlobalInvocationID.y >= push.rows) return;
-    uint slot = gl_GlobalInvocationID.y * frame.data.size.x + pixel.x;
-    uint index = pixel.y * frame.data.size.x + pixel.x;
+    if (pixel.x >= constants.size.x || gl_GlobalInvocationID.y >= push.rows) return;
+    uint slot = gl_GlobalInvocationID.y * constants.size.x + pixel.x;
+    uint index = pixel.y * constants.size.x + pixel.x;
 
     Path path = paths.pixels[slot];
     Tracker tracker = resume(path);
@@ -53,16 +46,16 @@ void main() {
     while (budget > 0u) {
         if (path.stage == PATH_ENDED) {
             if (begun == wanted) break;
-            path = begin_sample(pixel, begun++);
+            path = begin_camera_path(pixel, push.jitter != 0u, make_random(constants.seed, index, begun++));
             tracker = resume(path);
         }
         advance(path, tracker, budget);
         if (path.stage == PATH_ENDED) {
             bool finite = !any(isnan(path.radiance)) && !any(isinf(path.radiance));
             vec3 radiance = finite ? path.radiance : vec3(0.0);
-            float luminance = dot(radiance, vec3(0.2126, 0.7152, 0.0722));
+            float light = luminance(radiance);
             total += vec4(radiance, path.bounces > 0u ? 1.0 : 0.0);
-            squares += luminance * luminance;
+            squares += light * light;
             bad += finite ? 0u : 1u;
             ++finished;
         }
@@ -77,8 +70,8 @@ void main() {
     imageStore(square, ivec2(pixel), vec4(squares));
     count(PATHS_WANTED, push.samples);
     count(PATHS_FINISHED, finished - samples.x);
-    count(PATHS_STEPS, path_steps);
+    count(PATHS_STEPS, tentative_collisions);
     count(PATHS_RESUMED, unfinished ? 1u : 0u);
     count(PATHS_TRUNCATED, bad);
-    count(PATHS_CLAMPED, path_clamped);
+    count(PATHS_CLAMPED, clamped_collisions);
 }

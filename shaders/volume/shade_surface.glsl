@@ -8,10 +8,12 @@
 #ifndef OCKHAM_VOLUME_SHADE_SURFACE_GLSL
 #define OCKHAM_VOLUME_SHADE_SURFACE_GLSL
 
+#include "volume/tracking.glsl"
+
 /// World units from a hit to where the same crossing is not met again: a hundredth of a voxel.
 float beyond_hit() {
-    vec3 voxel = vec3(length(frame.data.world_from_unit[0]), length(frame.data.world_from_unit[1]),
-                     length(frame.data.world_from_unit[2])) / vec3(frame.data.dims);
+    vec3 voxel = vec3(length(constants.world_from_unit[0]), length(constants.world_from_unit[1]),
+                     length(constants.world_from_unit[2])) / vec3(constants.dims);
     return 0.01 * min(min(voxel.x, voxel.y), voxel.z);
 }
 
@@ -23,16 +25,16 @@ vec3 facing_normal(SurfaceHit hit, vec3 view) {
 /// Radiance towards `view` (unit, away from the surface) from the directional light, as if nothing
 /// stood between.
 vec3 reflected_light(SurfaceHit hit, vec3 view) {
-    return evaluate_iso(frame.data.surfaces[hit.surface].material, frame.data.shading,
-               facing_normal(hit, view), view, -frame.data.light_direction) *
-           frame.data.light_irradiance;
+    return evaluate_iso(frame.data.surfaces[hit.surface].material, constants.shading,
+               facing_normal(hit, view), view, -constants.light_direction) *
+           constants.light_irradiance;
 }
 
 /// Radiance from an environment that is as bright everywhere as its mean.
 vec3 reflected_environment(SurfaceHit hit) {
     IsoMaterial material = frame.data.surfaces[hit.surface].material;
-    float diffuse = frame.data.shading == SHADING_DISNEY ? 1.0 - material.metallic : 1.0;
-    return diffuse * material.base_color * frame.data.environment;
+    float diffuse = constants.shading == SHADING_DISNEY ? 1.0 - material.metallic : 1.0;
+    return diffuse * material.base_color * constants.environment;
 }
 
 /// How much of the directional light arrives at a point, so far.
@@ -47,7 +49,7 @@ Visibility begin_visibility() { return Visibility(1.0, 0.0, 0u, false); }
 
 /// Where to begin: beside the hit, on the light's side.
 vec3 shadow_origin(SurfaceHit hit, vec3 position) {
-    return off_surface(position, hit.normal, -frame.data.light_direction);
+    return off_surface(position, hit.normal, -constants.light_direction);
 }
 
 /// Goes on towards the light from `origin`, where shadow_origin() says: surfaces first, each lets
@@ -55,7 +57,7 @@ vec3 shadow_origin(SurfaceHit hit, vec3 position) {
 /// where little is left. True: it is done. False: the budget is used up, call again with the same
 /// origin and random numbers. The value does not depend on the budgets.
 bool advance_visibility(inout Visibility seen, vec3 origin, inout Random random, inout uint budget) {
-    vec3 direction = -frame.data.light_direction;
+    vec3 direction = -constants.light_direction;
     float near, far;
     vec3 entry_normal;
     if (!clip_ray(origin, direction, near, far, entry_normal)) return true;
@@ -75,34 +77,29 @@ bool advance_visibility(inout Visibility seen, vec3 origin, inout Random random,
     if (seen.value == 0.0) return true;
     if (searching) return false;
 
-    vec3 o = unit_from_world(origin), d = unit_from_world_direction(direction);
-    CellWalk walk = walk_cells(o, d, near);
-    if (seen.medium) {
-        walk = resume_walk(o, d, seen.cell);
-    } else {
-        seen.medium = true;
-        seen.t = near;
+    Flight flight;
+    flight.origin = unit_from_world(origin);
+    flight.direction = unit_from_world_direction(direction);
+    flight.limit = far;
+    flight.majorant = constants.majorant;
+#ifdef GRID
+    flight.walk = walk_cells(flight.origin, flight.direction, near);
+    if (seen.medium) flight.walk.cell = unpack_cell(seen.cell);
+#endif
+    if (!seen.medium) seen.t = near;
+    seen.medium = true;
+    while (seen.value > 0.0 && seen.t < far && budget > 0u) {
+        budget -= min(budget, 1u + kFlightCells);
+        vec4 xi = independent4(random);
+        ++random.set;
+        float depth = depth_of(xi.x), value;
+        if (fly(flight, seen.t, depth))
+            seen.value = ratio_tracked(seen.value, collision_chance(flight, seen.t, value), xi.y);
     }
-    bool done = false;
-    while (!done && budget > 0u) {
-        --budget;
-        float exit = min(majorant_exit(walk), far);
-        float majorant = cell_majorant(cell_index(walk));
-        vec4 xi = next4(random);
-        float t = majorant > 0.0 ? seen.t - log(xi.x) / majorant : kInfinity;
-        if (t < exit) {
-            seen.t = t;
-            seen.value *= max(1.0 - medium_of(field(o + t * d)).sigma_t / majorant, 0.0);
-            if (seen.value < 0.1) seen.value = xi.y < 10.0 * seen.value ? 0.1 : 0.0;
-            done = seen.value == 0.0;
-        } else {
-            seen.t = exit;
-            done = exit >= far;
-            next_cell(walk);
-        }
-    }
-    seen.cell = pack_cell(walk);
-    return done;
+#ifdef GRID
+    seen.cell = pack_cell(flight.walk);
+#endif
+    return seen.value == 0.0 || seen.t >= far;
 }
 
 #endif

@@ -23,11 +23,11 @@ struct SurfaceHit {
 /// Unused ones are never reached.
 vec4 isovalues() {
     vec4 values = vec4(kInfinity);
-    uint count = frame.data.surface_count;
-    if (count > 0u) values.x = frame.data.surfaces[0].value;
-    if (count > 1u) values.y = frame.data.surfaces[1].value;
-    if (count > 2u) values.z = frame.data.surfaces[2].value;
-    if (count > 3u) values.w = frame.data.surfaces[3].value;
+    uint count = constants.surface_count;
+    if (count > 0u) values.x = constants.surfaces[0].value;
+    if (count > 1u) values.y = constants.surfaces[1].value;
+    if (count > 2u) values.z = constants.surfaces[2].value;
+    if (count > 3u) values.w = constants.surfaces[3].value;
     return values;
 }
 float least(vec4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
@@ -75,7 +75,7 @@ struct Corners {
     vec4 x1;
 };
 Corners corners_of(ivec3 cell) {
-    ivec3 last = ivec3(frame.data.dims) - 1;
+    ivec3 last = ivec3(constants.dims) - 1;
     ivec3 a = clamp(cell, ivec3(0), last), b = clamp(cell + 1, ivec3(0), last);
     Corners c;
     c.x0.x = texelFetch(volume, ivec3(a.x, a.y, a.z), 0).x;
@@ -91,7 +91,7 @@ Corners corners_of(ivec3 cell) {
 
 /// The field with full precision; filters of hardware have weights of 8 bits.
 float exact_field(vec3 unit) {
-    vec3 p = unit * vec3(frame.data.dims) - 0.5;
+    vec3 p = unit * vec3(constants.dims) - 0.5;
     vec3 w = p - floor(p);
     Corners c = corners_of(ivec3(floor(p)));
     vec4 x = between(c.x0, c.x1, w.x);
@@ -106,11 +106,11 @@ vec3 surface_gradient(vec3 unit) {
     [[dont_unroll]] for (int tap = 0; tap < 6; ++tap) { // 48 lookups are slow to compile
         vec3 aside = vec3(0.0);
         aside[tap >> 1] = (tap & 1) == 0 ? -1.0 : 1.0;
-        slope += aside * (0.5 * exact_field(unit + aside / vec3(frame.data.dims)));
+        slope += aside * (0.5 * exact_field(unit + aside / vec3(constants.dims)));
     }
-    slope *= vec3(frame.data.dims);
-    return frame.data.unit_from_world[0].xyz * slope.x + frame.data.unit_from_world[1].xyz * slope.y +
-        frame.data.unit_from_world[2].xyz * slope.z;
+    slope *= vec3(constants.dims);
+    return constants.unit_from_world[0].xyz * slope.x + constants.unit_from_world[1].xyz * slope.y +
+        constants.unit_from_world[2].xyz * slope.z;
 }
 
 /// Outward normal; where the gradient vanishes, the ray's opposite.
@@ -122,8 +122,8 @@ vec3 surface_normal(vec3 unit, vec3 direction) {
 
 /// A position from which rays can leave towards `direction` without meeting the surface it is on.
 vec3 off_surface(vec3 position, vec3 normal, vec3 direction) {
-    vec3 voxel = vec3(length(frame.data.world_from_unit[0]), length(frame.data.world_from_unit[1]),
-        length(frame.data.world_from_unit[2])) / vec3(frame.data.dims);
+    vec3 voxel = vec3(length(constants.world_from_unit[0]), length(constants.world_from_unit[1]),
+        length(constants.world_from_unit[2])) / vec3(constants.dims);
     float aside = 0.02 * min(min(voxel.x, voxel.y), voxel.z);
     return position + normal * (dot(normal, direction) < 0.0 ? -aside : aside);
 }
@@ -139,8 +139,8 @@ struct CellRay {
 };
 CellRay make_cell_ray(vec3 origin, vec3 direction) {
     CellRay ray;
-    ray.origin = unit_from_world(origin) * vec3(frame.data.dims) - 0.5;
-    ray.direction = unit_from_world_direction(direction) * vec3(frame.data.dims);
+    ray.origin = unit_from_world(origin) * vec3(constants.dims) - 0.5;
+    ray.direction = unit_from_world_direction(direction) * vec3(constants.dims);
     ray.parallel = lessThan(abs(ray.direction), vec3(1e-15));
     ray.direction = mix(ray.direction, vec3(0.0), ray.parallel);
     ray.inverse = 1.0 / mix(ray.direction, vec3(1.0), ray.parallel);
@@ -207,7 +207,7 @@ bool find_surface(vec3 origin, vec3 direction, float t0, float t1, bool start_so
     float base = values.x; // all from here on is relative to it, for precision beside it
     values -= base;
     CellRay ray = make_cell_ray(origin, direction);
-    ivec3 cell = cell_at(ray, t0), last = ivec3(frame.data.dims) - 1;
+    ivec3 cell = cell_at(ray, t0), last = ivec3(constants.dims) - 1;
 
     // Of the cell with the crossing: the cubic, the part of it that crosses, and what it crosses.
     vec4 cubic = vec4(0.0);
@@ -218,8 +218,8 @@ bool find_surface(vec3 origin, vec3 direction, float t0, float t1, bool start_so
     while (going) { // without break or return: a driver's lanes went on behind them
         budget -= min(budget, 1u);
         // Range cell i holds the extremes of the cells 8 i - 1 to 8 i + 7.
-        ivec3 block = clamp((cell + 1) >> 3, ivec3(0), ivec3(frame.data.cells) - 1);
-        vec2 range = cell_range(uint((block.z * int(frame.data.cells.y) + block.y) * int(frame.data.cells.x) + block.x));
+        ivec3 block = clamp((cell + 1) >> 3, ivec3(0), ivec3(constants.cells) - 1);
+        vec2 range = cell_range(uint((block.z * int(constants.cells.y) + block.y) * int(constants.cells.x) + block.x));
         range -= base;
         bool skip = on_one_side(values, range.x, range.y);
 

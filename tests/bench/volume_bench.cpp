@@ -262,8 +262,10 @@ void equal_error(benchmark::State& state, const std::string& name, bool sky_ligh
     Renderer fast(scene, params);
     params.majorant_grid = params.nee = false;
     Renderer plain(scene, params);
+    const double paths = 64.0 * 64.0 * 16.0;
     std::vector<double> ratio, cpu_ratio, variance_ratio, difference;
     double steps_fast = 0, steps_plain = 0;
+    std::vector<double> nanoseconds, nanoseconds_plain;
     for (auto _ : state)
         for (std::uint32_t seed = 2; seed < 16; seed += 2) {
             const Renderer::Picture a = plain.picture(seed), b = fast.picture(seed);
@@ -275,12 +277,15 @@ void equal_error(benchmark::State& state, const std::string& name, bool sky_ligh
             difference.push_back(mean_of(a.luminance) - mean_of(b.luminance));
             difference.push_back(mean_of(c.luminance) - mean_of(d.luminance));
             steps_plain = a.steps, steps_fast = b.steps;
+            nanoseconds.push_back(0.5e9 * (b.cpu + d.cpu) / paths);
+            nanoseconds_plain.push_back(0.5e9 * (a.cpu + c.cpu) / paths);
         }
     Figure(ratio).report(state, "ratio");
     Figure(cpu_ratio).report(state, "cpu_ratio");
     Figure(variance_ratio).report(state, "variance_ratio");
     state.counters["z"] = mean_of(difference) / standard_error(difference);
-    const double paths = 64.0 * 64.0 * 16.0;
+    state.counters["ns_per_path"] = Figure(nanoseconds).quantile(0.5);
+    state.counters["ns_per_path_plain"] = Figure(nanoseconds_plain).quantile(0.5);
     state.counters["steps_per_path"] = steps_fast / paths;
     state.counters["steps_per_path_plain"] = steps_plain / paths;
 }

@@ -69,7 +69,7 @@ public:
         : device_(device), volume_(volume), bench(device, volume, transfer, {.view = view}) {
         frame_.emplace(device,
             gpu::BufferInfo{.bytes = sizeof(shader::VolumeFrame),
-                .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                 .name = "cache_frame"});
         set_view(view);
         size = count_cache_cells(device, bench.gpu, *frame_, params);

@@ -11,7 +11,8 @@ BufferHandle PassBench::add_buffer(const std::string& name, std::span<const std:
     const BufferHandle handle = graph.import_buffer(name, {bytes.size()}, {});
     gpu::Buffer buffer(
         device_, gpu::BufferInfo{.bytes = bytes.size(),
-                     .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                     .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                              VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                      .name = name});
     gpu::upload(device_, buffer, bytes);
     buffers_.push_back({handle, std::move(buffer)});

@@ -334,7 +334,7 @@ TEST_F(ComposeTest, AFurnaceIsWhiteWithTheLightThatPathsFind) {
     scene.options.view.density_scale = 10.0f;
     VolumeBench bench(device(), scene.volume, scene.transfer, scene.options);
     const gpu::Buffer frame(device(), gpu::BufferInfo{.bytes = sizeof(bench.frame),
-                                          .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                          .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                           .name = "frame of the count",
                                           .memory = gpu::MemoryUse::upload});
     std::memcpy(frame.mapped().data(), &bench.frame, sizeof(bench.frame));

@@ -130,10 +130,11 @@ TEST_F(TransportTest, CellsOfAnIsothermalFurnaceKeepItsRadiance) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
         ASSERT_TRUE(cells[i].phi);
         const double n = sums[i].count;
-        ASSERT_GE(n, 1000);
+        ASSERT_GE(n, 250);
         const double mean = glm::dot(*cells[i].phi, glm::dvec3(0.2126, 0.7152, 0.0722));
-        const double variance = double{sums[i].square} / n - mean * mean;
-        family.expect({mean, std::sqrt(variance / n)}, radiance, fmt::format("cell {}", i));
+        const double variance = std::max(double{sums[i].square} / n - mean * mean, 0.0);
+        const Estimate truth{radiance, 1e-6}; // of rounding: few paths differ
+        family.expect({mean, std::sqrt(variance / n)}, truth, fmt::format("cell {}", i));
     }
 }
 

@@ -25,5 +25,5 @@ void main() {
     CellWalk walk = walk_cells(unit, vec3(1.0, 0.0, 0.0), 0.0);
     float value = field(unit);
     uint cell = cell_index(walk);
-    probes.items[i] = Probe(value, medium_of(value).sigma_t, cell_majorant(cell), cell);
+    probes.items[i] = Probe(value, medium_of(value).sigma_t, enter_cell(walk), cell);
 }
