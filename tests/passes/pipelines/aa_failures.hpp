@@ -38,6 +38,13 @@ protected:
         p.export_counts = true;
         return p;
     }
+    /// Ours. `lambda`: squared error that a sample must remove, in display-encoded values.
+    static AdaptiveAaParams ours(int width, int height, int m = 4, float lambda = kDefaultLambda) {
+        AdaptiveAaParams p = paper(width, height, m);
+        p.metric = MetricKind::ockham;
+        p.lambda = lambda;
+        return p;
+    }
     static AdaptiveAaParams all_samples(int width, int height, int m = 4) {
         AdaptiveAaParams p = paper(width, height, m);
         p.method = AaMethod::ssaa;

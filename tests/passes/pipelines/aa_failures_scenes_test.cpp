@@ -27,6 +27,11 @@ TEST_F(AaFailuresScenes, FenceToTheHorizon) {
     int full = 0;
     for (int x = 0; x < kWidth; ++x) full += picture.k(x, 33) == 16;
     EXPECT_GT(full, kWidth / 3) << "at the horizon";
+    AdaptiveAaParams bounded = ours(kWidth, kHeight);
+    bounded.budget = 20.0f;
+    const Picture better = render(lit, camera, bounded);
+    EXPECT_LT(error(better), 0.01);
+    EXPECT_LE(better.percent, 20.5);
 }
 
 // Row 13: cards with a disc cut out by alpha, of 24 to 3 pixels.
@@ -59,6 +64,7 @@ TEST_F(AaFailuresScenes, LeafCardsKeepTheirCoverage) {
         const double tolerance = card > 3 ? 0.02 : 0.06;
         EXPECT_NEAR(covered(all_samples(kSize, kSize)) / disc, 1.0, tolerance);
         EXPECT_NEAR(covered(paper(kSize, kSize)) / disc, 1.0, tolerance);
+        EXPECT_NEAR(covered(ours(kSize, kSize)) / disc, 1.0, tolerance);
     }
 }
 
@@ -89,6 +95,18 @@ TEST_F(AaFailuresScenes, ShadowEdgeOnAFlatWall) {
         for (int x = 0; x < kSize; ++x)
             EXPECT_EQ(picture.k(x, y) > 1, near_edge(x, y)) << x << ", " << y;
     EXPECT_LT(largest_error(picture.radiance, full, off_edge), 1e-5f);
+    const Picture better = render(lit, camera, ours(kSize, kSize));
+    int at_edge = 0;
+    for (int y = 0; y < kSize; ++y) {
+        for (int x = 0; x < kSize; ++x) {
+            if (off_edge(x, y)) {
+                EXPECT_EQ(better.k(x, y), 1) << x << ", " << y;
+            }
+            if (y == kEdge) at_edge += better.k(x, y) > 1;
+        }
+    }
+    EXPECT_EQ(at_edge, kSize);
+    EXPECT_LT(largest_error(better.radiance, full, off_edge), 1e-5f);
     p.metrics.shading_weight = 0;
     EXPECT_EQ(render(lit, camera, p).most(), 1) << "nothing in the G-buffer shows it";
 }

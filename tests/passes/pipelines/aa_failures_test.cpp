@@ -93,6 +93,7 @@ TEST_F(AaFailures, WiresThinnerThanAPixel) {
     const Picture geometric = render(lit, camera, p);
     p.metrics.depth_weight = p.metrics.normal_weight = 0;
     const Picture blind = render(lit, camera, p);
+    const Picture better = render(lit, camera, ours(kSize, kSize));
     int holes = 0, wires = 0;
     for (int y = 0; y < kSize; ++y) {
         for (int x = 0; x < kSize; ++x) {
@@ -100,6 +101,7 @@ TEST_F(AaFailures, WiresThinnerThanAPixel) {
             if (cover == 0.0f || cover == 1.0f) continue;
             ++wires;
             EXPECT_GT(geometric.k(x, y), 1) << x << ", " << y;
+            EXPECT_GT(better.k(x, y), 1) << x << ", " << y;
             holes += blind.k(x, y) == 1;
         }
     }
@@ -149,6 +151,7 @@ TEST_F(AaFailures, SlantedPlanes) {
     for (const Plane plane : kPlanes) {
         SCOPED_TRACE(testing::Message() << plane.distance << " m, " << plane.degrees << " degrees");
         const Scene scene = tilted_plane(plane);
+        EXPECT_EQ(render(scene, camera, ours(16, 16)).most(), 1);
         const int most = render(scene, camera, paper(16, 16)).most();
         if (plane.distance >= 50 && plane.degrees >= 89) {
             EXPECT_GT(most, 4) << "the variance of depth grows with slope and scale";
@@ -156,6 +159,48 @@ TEST_F(AaFailures, SlantedPlanes) {
         if (plane.distance >= 5000) {
             EXPECT_EQ(most, 16);
         }
+    }
+}
+
+TEST_F(AaFailures, PlanesParallelToThePicture) {
+    int paper_most = 1;
+    for (const float distance : {1.0f, 30.0f, 1000.0f, 1e4f, 1e6f}) {
+        SCOPED_TRACE(distance);
+        Scene scene;
+        scene.materials = {unlit_material(glm::vec3(0.5f))};
+        add(scene, rectangle({-distance, -distance, -distance}, {2 * distance, 0, 0},
+                       {0, 2 * distance, 0}));
+        const Camera camera = look_at({0, 0, 0}, {0, 0, -1}, 60);
+        EXPECT_EQ(render(scene, camera, ours(16, 16, 3)).most(), 1);
+        paper_most = std::max(paper_most, render(scene, camera, paper(16, 16, 3)).most());
+    }
+    EXPECT_EQ(paper_most, 9) << "sums of squares lose the last bits";
+}
+
+// Row 9: a silhouette before a background of its own colour needs nothing, of another one two.
+TEST_F(AaFailures, SilhouettesBeforeTheSky) {
+    for (const float sky : {0.5f, 1.0f}) {
+        Scene scene;
+        scene.background = glm::vec3(sky);
+        scene.materials = {unlit_material(glm::vec3(0.5f))};
+        add(scene, polygon(bar({16, 16}, 20, 20, 10), 0.0f, 0));
+        const Camera camera = pixel_camera(32, 32);
+        const Picture picture = render(scene, camera, ours(32, 32));
+        const Image full = render(scene, camera, all_samples(32, 32)).radiance;
+        int edge = 0;
+        for (int y = 0; y < 32; ++y) {
+            for (int x = 0; x < 32; ++x) {
+                const bool both = full.at(x, y, 3) > 0.0f && full.at(x, y, 3) < 1.0f;
+                edge += both;
+                ASSERT_TRUE(std::isfinite(picture.radiance.at(x, y, 1)));
+                if (!both) {
+                    EXPECT_EQ(picture.k(x, y), 1) << x << ", " << y;
+                } else if (sky > 0.5f) {
+                    EXPECT_GE(picture.k(x, y), 2) << x << ", " << y;
+                }
+            }
+        }
+        EXPECT_GT(edge, 40);
     }
 }
 
@@ -181,6 +226,9 @@ TEST_F(AaFailures, CoplanarMaterials) {
     const Picture picture = render(lit, camera, paper(16, 16));
     EXPECT_EQ(picture.most(), 1) << "one depth, one normal, and S sees one of the two everywhere";
     EXPECT_EQ(largest_error(picture.radiance, full), 0.5f);
+    const Picture better = render(lit, camera, ours(16, 16));
+    for (const float k : better.counts.plane(0)) EXPECT_GE(k, 2.0f) << "two materials";
+    EXPECT_LT(largest_error(better.radiance, full), 0.26f);
 }
 
 // Row 11: 5 cm apart at 1 km, in a scene that reaches to 1,000 km.
@@ -223,6 +271,7 @@ TEST_F(AaFailures, DegenerateTrianglesCostNothing) {
     const Picture after = render(scene, camera, paper(32, 32));
     EXPECT_EQ(before, 1);
     EXPECT_EQ(after.most(), 1);
+    EXPECT_EQ(render(scene, camera, ours(32, 32)).most(), 1);
     for (const float v : after.radiance.plane(1)) ASSERT_EQ(v, 0.5f);
 }
 
@@ -250,6 +299,7 @@ TEST_F(AaFailures, BrightDotBelowAPixel) {
     const Picture picture = render(lit, camera, paper(16, 16));
     EXPECT_EQ(picture.k(8, 8), 1) << "S is blind, depth and normals are flat";
     EXPECT_EQ(picture.radiance.at(8, 8, 1), 0.25f);
+    EXPECT_GE(render(lit, camera, ours(16, 16)).k(8, 8), 2) << "two materials";
 }
 
 // Row 21: steps of luma through the middle of every pixel's window.
@@ -278,6 +328,7 @@ TEST_F(AaFailures, StepsOfLuma) {
         } else {
             EXPECT_GT(picture.k(8, 8), 1);
         }
+        EXPECT_GE(render(lit, camera, ours(16, 16, 4, 1e-6f)).k(8, 8), 2) << "no dead zone";
     }
     EXPECT_GT(last, 0.025f) << "what the dead zone lets pass";
 }
