@@ -28,7 +28,7 @@ vec2 seen_before(vec3 world) {
     vec3 d = world - old.position;
     vec2 across = vec2(dot(d, old.right) / dot(old.right, old.right), dot(d, old.up) / dot(old.up, old.up));
     vec2 ndc = frame.data.orthographic != 0u ? across : across / dot(d, old.forward);
-    return (0.5 + vec2(0.5, -0.5) * ndc) * vec2(frame.data.size);
+    return (0.5 + vec2(0.5, -0.5) * ndc) * vec2(frame.data.picture);
 }
 
 /// Linear interpolation by hand: not all devices filter 32-bit floats.

@@ -53,7 +53,7 @@ void main() {
         radiance[j] = texelFetch(first_sample, neighbor, 0);
         center[j] = vec2((neighbor - pixel) * m + first);
     }
-    float pixel_size = 2.0 * length(frame.data.up) / float(frame.data.size.y);
+    float pixel_size = 2.0 * length(frame.data.up) / float(frame.data.picture.y);
 
     vec4 sum = vec4(0.0);
     for (int i = 0; i < m * m; ++i) {

@@ -49,7 +49,7 @@ protected:
         frame.up = {0, 0.5f * kHeight, 0};
         frame.forward = {0, 0, -1};
         frame.m = kWindow;
-        frame.size = {kWidth, kHeight};
+        frame.size = frame.picture = {kWidth, kHeight};
         frame.order[0] = 2 * kWindow + 2;
         PassBench bench(device());
         const ImageHandle out = add_sraa(bench.graph,
