@@ -76,6 +76,7 @@ float spread(vec3 sum, uint count) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, ivec2(frame.data.size)))) return;
+    // Read once, and no division in loops: both cost software drivers a turn per lane.
     int m = int(frame.data.m), n = m * m;
     ivec2 corner = pixel * m;
 
@@ -84,11 +85,13 @@ void main() {
     Plane plane0 = window_plane(first, first_offset);
     bool single = true;
     vec3 sum0 = vec3(0.0);
-    for (int i = 0; i < n; ++i) {
-        ivec2 offset = window_offset(i);
-        Sample s = fetch_sample(corner + offset);
-        single = single && on_plane(plane0, s, offset);
-        sum0 += s.normal;
+    for (int y = 0; y < m; ++y) {
+        for (int x = 0; x < m; ++x) {
+            ivec2 offset = ivec2(x, y);
+            Sample s = fetch_sample(corner + offset);
+            single = single && on_plane(plane0, s, offset);
+            sum0 += s.normal;
+        }
     }
 
     // Most windows see one surface, and are done.

@@ -102,19 +102,22 @@ void main() {
     float within = background ? 0.0 : share.x * squares / max(seen, 1.0) * (kEven + kBumpy * slopes.x);
 
     // The other surfaces: a mean and a variance of the neighbours that show them.
+    ivec2 first_offset = window_offset(int(frame.data.order[0]));
+    float pixel_size = length(sample_right()) * float(m); // at view depth 1
+    bool parallel = frame.data.orthographic != 0u;
+    float far_distance = frame.data.far_distance;
     float means = share.x * here, mean_squares = share.x * here * here, known = share.x;
     for (uint label = 1u; label < count; ++label) {
         int index = int(frame.data.order[cluster_first_rank(labels, label)]);
         ivec2 position = pixel * int(m) + window_offset(index);
         SurfacePlane plane = fetch_plane(position);
         bool sky = !(plane.depth > 0.0);
-        float pixel_size = length(sample_right()) * float(m);
-        float reach = kReach * pixel_size * (frame.data.orthographic != 0u ? 1.0 / frame.data.far_distance : plane.depth);
+        float reach = kReach * pixel_size * (parallel ? 1.0 / far_distance : plane.depth);
         float sum = 0.0, sum2 = 0.0, found = 0.0;
         for (int i = 0; i < 8; ++i) {
             ivec2 q = clamp(pixel + neighbour(i), ivec2(0), size - 1);
             uvec2 there = texelFetch(first_surface, q, 0).xy;
-            ivec2 at = q * int(m) + window_offset(int(frame.data.order[0]));
+            ivec2 at = q * int(m) + first_offset;
             float expected = plane.depth + dot(plane.slope, vec2(at - position));
             bool same = sky ? there.x == 0u
                             : there.x != 0u && there.y == plane.material && abs(uintBitsToFloat(there.x) - expected) <= reach;
