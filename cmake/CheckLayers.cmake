@@ -27,6 +27,9 @@ set(uses_samples ${framework} passes passes/pipelines shaders)
 set(edge_types
   passes/shader_variant.hpp
   passes/schedule/buckets.hpp
+  passes/schedule/tile_list.hpp
+  passes/surface/allocate.hpp
+  passes/surface/clusters.hpp
   passes/surface/draw_scene.hpp
   passes/surface/frame.hpp
   passes/surface/gbuffer.hpp
