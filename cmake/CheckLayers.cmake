@@ -31,6 +31,7 @@ set(edge_types
   passes/surface/allocate.hpp
   passes/surface/clusters.hpp
   passes/surface/draw_scene.hpp
+  passes/surface/sample_order.hpp
   passes/surface/frame.hpp
   passes/surface/gbuffer.hpp
   passes/surface/shading_inputs.hpp

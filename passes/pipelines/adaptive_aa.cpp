@@ -68,11 +68,10 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
     }
     if (n == 1 && !filters_picture(params.method)) params.method = AaMethod::none;
     if (params.order.empty()) {
-        const bool partial = counts_differ(params.method) ||
-                             params.method == AaMethod::sraa ||
+        const bool partial = counts_differ(params.method) || params.method == AaMethod::sraa ||
                              (params.method == AaMethod::uniform && params.k < n);
-        params.order =
-            partial ? paper_order(static_cast<int>(params.m)) : row_major_order(params.m);
+        params.order = partial ? sample_order(params.order_kind, static_cast<int>(params.m))
+                               : row_major_order(params.m);
     }
     return params;
 }
@@ -100,7 +99,10 @@ void omit_what_the_scene_lacks(Graph& graph, const SceneFacts& facts) {
 std::string clusters_reason(const AdaptiveAaParams& params) {
     if (params.method == AaMethod::msaa) return "--method msaa shades all samples of edges";
     if (params.method != AaMethod::adaptive) return "";
-    return params.metric == MetricKind::ockham ? "--metric ockham looks at surfaces apart" : "";
+    if (params.metric == MetricKind::ockham) return "--metric ockham looks at surfaces apart";
+    if (params.resolve == Resolve::stratified)
+        return "--resolve stratified shares samples out among surfaces";
+    return "";
 }
 
 /// k of every pixel, and what asked for it.
@@ -109,9 +111,9 @@ Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clu
     if (params.method == AaMethod::msaa) {
         for (const char* pass : {"metrics", "allocate", "budget"})
             graph.omit_pass(pass, "--method msaa looks at surfaces only");
-        return {add_cluster_counts(graph, clusters.labels,
-                    {.samples = 4, .single = 1, .several = 4},
-                    "--method msaa: all samples where a pixel sees several surfaces"),
+        return {
+            add_cluster_counts(graph, clusters.labels, {.samples = 4, .single = 1, .several = 4},
+                "--method msaa: all samples where a pixel sees several surfaces"),
             {}};
     }
     if (params.metric == MetricKind::paper) {
@@ -228,7 +230,8 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
         clusters = add_clusters(
             graph, in.scene.frame, in.gbuffer, {params.width, params.height, params.m}, reason);
     } else {
-        graph.omit_pass("clusters", "--metric paper looks at the window as a whole");
+        graph.omit_pass(
+            "clusters", "--metric paper and --resolve prefix look at the window as a whole");
     }
     out.first_sample = add_first_sample(graph, in, shading);
     const Allocation counts = add_counts(graph, in, clusters, out.first_sample, params);
@@ -241,8 +244,11 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
     } else {
         graph.omit_pass("coarsen", "--k-levels all, no --k-filter: counts stay as they are");
     }
-    const ImageHandle sum =
-        add_shade(graph, in, shading, {out.first_sample, out.sample_count}, params.dispatch);
+    const ImageHandle sum = add_shade(graph, in, shading,
+        {.first_sample = out.first_sample,
+            .sample_count = out.sample_count,
+            .clusters = params.resolve == Resolve::stratified ? clusters.labels : ImageHandle{}},
+        params.dispatch);
     out.radiance = add_resolve(graph, sum, out.first_sample, out.sample_count);
     return out;
 }

@@ -10,6 +10,7 @@
 #include "passes/surface/allocate.hpp"
 #include "passes/surface/frame.hpp"
 #include "passes/surface/metrics.hpp"
+#include "passes/surface/sample_order.hpp"
 #include "passes/surface/shading_inputs.hpp"
 
 #include <memory>
@@ -36,15 +37,22 @@ enum class MetricKind {
     ockham, ///< expected variance, by one lambda
 };
 
+enum class Resolve {
+    prefix,     ///< the mean of the first k samples in order
+    stratified, ///< k is shared out among the window's surfaces, whose means weigh by coverage
+};
+
 struct AdaptiveAaParams {
     std::uint32_t width = 1024, height = 768; ///< pixels
     std::uint32_t m = 4;                      ///< window width in samples, 1 ... 8
     AaMethod method = AaMethod::adaptive;
     std::uint32_t k = 1; ///< uniform only, 1 ... m * m
     Dispatch dispatch = Dispatch::buckets;
-    bool powers_of_two = false;       ///< counts are rounded up to powers of two, n stays
-    std::uint32_t count_block = 1;    ///< pixels per block and axis that share the largest count
-    std::vector<std::uint32_t> order; ///< samples by rank; empty: paper_order(m)
+    bool powers_of_two = false;    ///< counts are rounded up to powers of two, n stays
+    std::uint32_t count_block = 1; ///< pixels per block and axis that share the largest count
+    SampleOrder order_kind = SampleOrder::paper;
+    std::vector<std::uint32_t> order; ///< samples by rank; empty: sample_order(order_kind, m)
+    Resolve resolve = Resolve::prefix;
     MetricKind metric = MetricKind::paper;
     MetricsParams metrics;         ///< paper only; its size is set from here
     float lambda = kDefaultLambda; ///< ockham only: price of a sample, 0 ... infinity

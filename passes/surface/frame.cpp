@@ -2,6 +2,7 @@
 #include "passes/surface/frame.hpp"
 
 #include "framework/core/error.hpp"
+#include "passes/surface/sample_order.hpp"
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -10,30 +11,6 @@
 
 namespace ockham {
 namespace {
-
-/// Matrix of ranks (sample at row-major place p is taken rank-th) to list of places by rank.
-std::vector<std::uint32_t> places_by_rank(const std::vector<std::uint32_t>& ranks) {
-    std::vector<std::uint32_t> places(ranks.size());
-    for (std::uint32_t place = 0; place < ranks.size(); ++place) places[ranks[place]] = place;
-    return places;
-}
-
-/// Twice the size: each quadrant repeats the matrix, shifted by the 2 x 2 order [0 2; 3 1].
-std::vector<std::uint32_t> bayer_ranks(std::uint32_t m) {
-    std::vector<std::uint32_t> ranks{0};
-    for (std::uint32_t size = 1; size < m; size *= 2) {
-        std::vector<std::uint32_t> next(4 * ranks.size());
-        constexpr std::uint32_t quadrant[2][2] = {{0, 2}, {3, 1}};
-        for (std::uint32_t y = 0; y < 2 * size; ++y) {
-            for (std::uint32_t x = 0; x < 2 * size; ++x) {
-                next[y * 2 * size + x] =
-                    4 * ranks[(y % size) * size + x % size] + quadrant[y / size][x / size];
-            }
-        }
-        ranks = std::move(next);
-    }
-    return ranks;
-}
 
 /// Box around the bounds as seen along the sun, for one shadow map.
 glm::mat4 sun_view_projection(const Bounds& bounds, glm::vec3 direction, int size, float& texel) {
@@ -62,22 +39,7 @@ glm::mat4 sun_view_projection(const Bounds& bounds, glm::vec3 direction, int siz
 
 } // namespace
 
-std::vector<std::uint32_t> paper_order(int m) {
-    switch (m) {
-    case 1:
-        return {0};
-    case 2:
-        return places_by_rank({0, 2, 3, 1});
-    case 3:
-        return places_by_rank({2, 6, 3, 5, 0, 8, 1, 7, 4});
-    case 4:
-        return places_by_rank({1, 8, 2, 10, 12, 4, 14, 6, 3, 11, 0, 9, 15, 7, 13, 5});
-    case 8:
-        return places_by_rank(bayer_ranks(8));
-    default:
-        fail_input("--order paper: m = {} has no printed matrix; use m = 1, 2, 3, 4 or 8", m);
-    }
-}
+std::vector<std::uint32_t> paper_order(int m) { return sample_order(SampleOrder::paper, m); }
 
 shader::FrameData make_frame(const Scene& scene, const Bounds& bounds, const Camera& camera,
     int width, int height, int m, const std::vector<std::uint32_t>& order, int shadow_map_size) {

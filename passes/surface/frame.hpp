@@ -12,9 +12,7 @@
 
 namespace ockham {
 
-/// The printed index matrices (Hollaender et al. 2013, figure 3) as a list: i-th sample taken ->
-/// index in the window, row-major. m = 1 ... 4; m = 8 by Bayer's recursion. Throws Error(input)
-/// for other m.
+/// sample_order(SampleOrder::paper, m).
 std::vector<std::uint32_t> paper_order(int m);
 
 /// `width`, `height`: pixels. `m`: window width, 1 ... 8, order.size() == m * m.

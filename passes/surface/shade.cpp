@@ -15,7 +15,8 @@ namespace {
 struct BackEnd {
     std::string reason;
     bool raster = false;
-    std::uint32_t most = 1; ///< samples of a pixel
+    bool stratified = false; ///< asks for clusters
+    std::uint32_t most = 1;  ///< samples of a pixel
     /// Names what it reads besides shaders/surface/shade_sample.glsl and its sums.
     std::function<void(PassBuilder&)> declare;
     /// Runs a variant of its shader on the samples push.first ... push.last - 1.
@@ -48,18 +49,19 @@ ImageHandle add_rounds(
             .stall = params.stall,
             .anisotropy = static_cast<float>(params.anisotropy),
             .loop_bound = per_round};
-        pass.record([push, run = back_end.run](Commands& commands) {
-            run(commands, push.first > 0 ? "continue" : "", push);
-        });
+        std::string features = back_end.stratified ? "stratified" : "";
+        if (push.first > 0) features += features.empty() ? "continue" : ",continue";
+        pass.record([features, push, run = back_end.run](
+                        Commands& commands) { run(commands, features, push); });
     }
     return sum;
 }
 
-/// "surface/shade.comp:loop,continue,shadow": mode and continue come before the scene's features.
-std::string variant(std::string_view shader, std::string mode, const std::string& continued,
+/// "surface/shade.comp:loop,continue,shadow": mode and features come before the scene's.
+std::string variant(std::string_view shader, std::string mode, const std::string& features,
     const ShadingInputs& in) {
-    if (!mode.empty() && !continued.empty()) mode += ',';
-    return shading_variant(shader, mode + continued, in);
+    if (!mode.empty() && !features.empty()) mode += ',';
+    return shading_variant(shader, mode + features, in);
 }
 
 /// `shader` and `push` must outlive it.
@@ -73,6 +75,7 @@ ComputeCall kernel(
 void read_counts(PassBuilder& pass, const AdaptiveInputs& counts, Stage stage = Stage::compute) {
     pass.read("first_sample", counts.first_sample, stage)
         .read("sample_count", counts.sample_count, stage);
+    if (counts.clusters) pass.sample("clusters", counts.clusters, stage);
 }
 
 /// Ranges of a list of pixels: those of one count each, or all as one.
@@ -81,6 +84,7 @@ ImageHandle add_shade_list(Graph& graph, const ShadingInputs& in, const ShadingP
     const std::uint32_t n = params.m * params.m;
     return add_rounds(graph, in, params,
         {.reason = reason,
+            .stratified = bool(counts.clusters),
             .most = n,
             .declare =
                 [=](PassBuilder& pass) {
@@ -90,8 +94,8 @@ ImageHandle add_shade_list(Graph& graph, const ShadingInputs& in, const ShadingP
                         .indirect(buckets.arguments);
                 },
             .run =
-                [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
-                    const std::string shader = variant("surface/shade.comp", "list", continued, in);
+                [=](Commands& commands, const std::string& features, shader::ShadePush push) {
+                    const std::string shader = variant("surface/shade.comp", "list", features, in);
                     // The dearest pixels first: what is left over at the end is then cheap. Counts
                     // up to push.first were done in earlier rounds.
                     const std::uint32_t most = by_count ? n : n + 1;
@@ -113,9 +117,9 @@ ImageHandle add_shade_uniform(
             .most = k,
             .declare = [](PassBuilder&) {},
             .run =
-                [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
+                [=](Commands& commands, const std::string& features, shader::ShadePush push) {
                     const std::string shader =
-                        variant("surface/shade.comp", "uniform", continued, in);
+                        variant("surface/shade.comp", "uniform", features, in);
                     commands.dispatch_over(
                         kernel(shader, in, push), {params.width, params.height, 1});
                 }});
@@ -125,11 +129,12 @@ ImageHandle add_shade_loop(Graph& graph, const ShadingInputs& in, const ShadingP
     const AdaptiveInputs& counts) {
     return add_rounds(graph, in, params,
         {.reason = "shades as many samples as each pixel's count says",
+            .stratified = bool(counts.clusters),
             .most = params.m * params.m,
             .declare = [=](PassBuilder& pass) { read_counts(pass, counts); },
             .run =
-                [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
-                    const std::string shader = variant("surface/shade.comp", "loop", continued, in);
+                [=](Commands& commands, const std::string& features, shader::ShadePush push) {
+                    const std::string shader = variant("surface/shade.comp", "loop", features, in);
                     commands.dispatch_over(
                         kernel(shader, in, push), {params.width, params.height, 1});
                 }});
@@ -151,6 +156,7 @@ ImageHandle add_shade_repacked(Graph& graph, const ShadingInputs& in, const Shad
     const AdaptiveInputs& counts, const TileList& tiles) {
     return add_rounds(graph, in, params,
         {.reason = "spreads the samples of each tile over all lanes, whoever's pixel they are of",
+            .stratified = bool(counts.clusters),
             .most = params.m * params.m,
             .declare =
                 [=](PassBuilder& pass) {
@@ -158,9 +164,9 @@ ImageHandle add_shade_repacked(Graph& graph, const ShadingInputs& in, const Shad
                     pass.read("tile_list", tiles.list).indirect(tiles.arguments);
                 },
             .run =
-                [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
+                [=](Commands& commands, const std::string& features, shader::ShadePush push) {
                     const std::string shader =
-                        variant("surface/shade_repack.comp", "", continued, in);
+                        variant("surface/shade_repack.comp", "", features, in);
                     commands.dispatch_indirect(kernel(shader, in, push), tiles.arguments, 0);
                 }});
 }
@@ -177,7 +183,7 @@ ImageHandle add_shade_tested(Graph& graph, const ShadingInputs& in, const Shadin
         // Each round writes it by its first draw and tests it in the others.
         target = stencil ? pass.stencil(target, 0) : pass.depth(target, 0.0f);
     };
-    const auto run = [=](Commands& commands, const std::string& continued, shader::ShadePush push) {
+    const auto run = [=](Commands& commands, const std::string& features, shader::ShadePush push) {
         constexpr const char* kPlane = "schedule/count_plane.vert";
         commands.bind({.vertex_shader = kPlane,
             .fragment_shader =
@@ -187,7 +193,7 @@ ImageHandle add_shade_tested(Graph& graph, const ShadingInputs& in, const Shadin
             .stencil_write = stencil});
         commands.push(as_push(push));
         commands.draw(3);
-        const std::string shader = variant("surface/shade.frag", "", continued, in);
+        const std::string shader = variant("surface/shade.frag", "", features, in);
         commands.bind({.vertex_shader = kPlane,
             .fragment_shader = shader,
             .specialization = shading_specialization(in),
@@ -206,6 +212,7 @@ ImageHandle add_shade_tested(Graph& graph, const ShadingInputs& in, const Shadin
         {.reason = fmt::format("draws once per count, {} test stops the pixels of other counts",
              stencil ? "the stencil" : "the depth"),
             .raster = true,
+            .stratified = bool(counts.clusters),
             .most = params.m * params.m,
             .declare = declare,
             .run = run});

@@ -14,6 +14,9 @@ namespace ockham {
 struct AdaptiveInputs {
     ImageHandle first_sample; ///< S
     ImageHandle sample_count; ///< r8ui, 1 ... m * m
+    /// Labels of surfaces (shaders/surface/clusters.glsl), among which picks are shared out; empty:
+    /// the first samples in order are taken, whatever they lie on.
+    ImageHandle clusters;
 };
 
 /// Every pixel alike: no S, no map; k in 1 ... m * m. k = m * m is full supersampling.

@@ -22,6 +22,8 @@ using namespace ockham;
 
 namespace {
 
+constexpr const char* kByPreset = "preset";
+
 struct Options {
     CommonOptions common;
     SceneOptions scene;
@@ -29,16 +31,16 @@ struct Options {
     int m = 4;
     std::string method = "adaptive";
     int k = 1;
-    std::string metric = "paper";
+    std::string preset = "paper";
+    std::string metric = kByPreset;
     float lambda = kDefaultLambda;
     bool history = true;
     float budget = -1;
-    std::string order = "paper";
+    std::string order = kByPreset;
     std::string dispatch = "buckets";
     std::string k_levels = "all", k_filter;
-    std::string resolve = "prefix";
+    std::string resolve = kByPreset;
     std::string gbuffer = "packed";
-    std::string preset = "paper";
     float depth_weight = -1, normal_weight = -1, shading_weight = -1; ///< < 0: by the window
     MetricsParams metrics;
     int stall = 0;
@@ -56,8 +58,12 @@ void declare(Params& params, Options& o) {
     add("method", &o.method, "anti-aliasing")
         .choices({"none", "fxaa", "smaa", "sraa", "taa", "msaa", "uniform", "ssaa", "adaptive"});
     add("k", &o.k, "samples per pixel of --method uniform").range(1, 64);
-    add("preset", &o.preset, "all choices below at once").choices({"paper"});
-    add("metric", &o.metric, "what decides the samples per pixel").choices({"paper", "ockham"});
+    add("preset", &o.preset,
+        "metric, order and resolve at once: ockham is ockham, optimal, stratified; paper is paper, "
+        "paper, prefix")
+        .choices({"ockham", "paper"});
+    add("metric", &o.metric, "what decides the samples per pixel")
+        .choices({kByPreset, "paper", "ockham"});
     add("lambda", &o.lambda,
         "metric ockham: squared error that a sample must remove; 0: all samples, inf: one")
         .range(0, std::numeric_limits<double>::infinity());
@@ -83,14 +89,18 @@ void declare(Params& params, Options& o) {
         "metric ockham: samples to spend in place of --lambda, at least one a pixel; -1: by lambda")
         .range(-1, 100)
         .unit("percent of all samples");
-    add("order", &o.order, "order of a window's samples").choices({"paper"});
+    add("order", &o.order,
+        "order of a window's samples: printed, or of least rms or least worst coverage error")
+        .choices({kByPreset, "paper", "optimal", "worst"});
     add("dispatch", &o.dispatch, "how pixels of unequal counts meet the lanes of the device")
         .choices({"loop", "buckets", "repack", "stencil", "depth", "sort"});
     add("k-levels", &o.k_levels, "counts: all, or rounded up to powers of two and m x m")
         .choices({"all", "pow2"});
     add("k-filter", &o.k_filter,
         "max:N, N 1 to 64: N x N pixels share the largest of their counts");
-    add("resolve", &o.resolve, "how samples become a pixel").choices({"prefix"});
+    add("resolve", &o.resolve,
+        "which samples make a pixel: the first k in order, or k shared out among its surfaces")
+        .choices({kByPreset, "prefix", "stratified"});
     add("gbuffer", &o.gbuffer, "layout of the G-buffer").choices({"packed", "visibility"});
     add("anisotropy", &o.anisotropy, "most texture taps per lookup").range(1, 16);
     add("stall", &o.stall,
@@ -117,6 +127,13 @@ std::uint32_t parse_k_filter(const std::string& text) {
     return block;
 }
 
+/// `choice`, or what the preset says.
+std::string choose(
+    const Options& o, const std::string& choice, const char* ockham, const char* paper) {
+    if (choice != kByPreset) return choice;
+    return o.preset == "paper" ? paper : ockham;
+}
+
 AdaptiveAaParams picture_params(const Options& o, bool moving) {
     AdaptiveAaParams p;
     p.width = static_cast<std::uint32_t>(o.common.width);
@@ -141,7 +158,14 @@ AdaptiveAaParams picture_params(const Options& o, bool moving) {
     p.powers_of_two = o.k_levels == "pow2";
     p.count_block = parse_k_filter(o.k_filter);
     p.gbuffer = o.gbuffer == "visibility" ? GbufferLayout::visibility : GbufferLayout::packed;
-    p.metric = o.metric == "ockham" ? MetricKind::ockham : MetricKind::paper;
+    p.metric =
+        choose(o, o.metric, "ockham", "paper") == "ockham" ? MetricKind::ockham : MetricKind::paper;
+    const std::string order = choose(o, o.order, "optimal", "paper");
+    p.order_kind = order == "optimal" ? SampleOrder::optimal
+                   : order == "worst" ? SampleOrder::worst
+                                      : SampleOrder::paper;
+    p.resolve = choose(o, o.resolve, "stratified", "prefix") == "stratified" ? Resolve::stratified
+                                                                             : Resolve::prefix;
     p.lambda = o.lambda;
     p.history = o.history && moving;
     p.budget = o.budget;

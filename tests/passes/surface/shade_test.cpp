@@ -9,6 +9,7 @@
 #include "tests/support/scene_bench.hpp"
 #include "tests/support/surface_scenes.hpp"
 
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -90,7 +91,11 @@ public:
         const ShadingParams shading{.width = width, .height = height, .m = m, .stall = stall};
         counts_ = bench_.image("sample_count", VK_FORMAT_R8_UINT, width, height,
             std::vector<std::uint8_t>(std::size_t{width} * height, 1));
-        sum_ = add(in, shading, {add_first_sample(bench_.graph, in, shading), counts_}, dispatch);
+        sum_ = add(in, shading,
+            {.first_sample = add_first_sample(bench_.graph, in, shading),
+                .sample_count = counts_,
+                .clusters = {}},
+            dispatch);
         bench_.graph.export_resource(sum_, "test");
     }
 
@@ -177,6 +182,100 @@ TEST_F(ShadeTest, RoundsContinueTheSameSumsInEveryBackEnd) {
         // 10,000 iterations of stall: four samples fit one kernel.
         BackEndBench bench(device(), scene, 11, 9, 4, dispatch, 16 * 10000);
         EXPECT_EQ(bench.sums(map), expected) << "back end " << static_cast<int>(dispatch);
+    }
+}
+
+/// What picks.glsl picks, as ranks with weights: seats by d'Hondt, the first sample's surface
+/// first.
+std::vector<std::pair<std::uint32_t, double>> stratified_picks(
+    const std::vector<std::uint32_t>& labels, std::uint32_t k) {
+    std::array<std::uint32_t, 4> sizes{}, seats{1, 0, 0, 0};
+    for (const std::uint32_t label : labels) ++sizes[label];
+    const auto claim = [&](std::size_t l) { // unseen surfaces come before all others
+        return (seats[l] == 0 ? 1000.0 : 1.0) * sizes[l] / (seats[l] + 1.0);
+    };
+    for (std::uint32_t i = 1; i < k; ++i) {
+        std::size_t best = 0;
+        for (std::size_t l = 1; l < 4; ++l)
+            if (claim(l) > claim(best) + 1e-9) best = l;
+        ++seats[best];
+    }
+    double seen = 0;
+    for (std::size_t l = 0; l < 4; ++l) seen += seats[l] > 0 ? sizes[l] : 0;
+    std::array<std::uint32_t, 4> left = seats;
+    std::vector<std::pair<std::uint32_t, double>> picks;
+    for (std::uint32_t rank = 0; rank < labels.size(); ++rank) {
+        const std::uint32_t l = labels[rank];
+        if (left[l] == 0) continue;
+        --left[l];
+        picks.emplace_back(rank, sizes[l] / seen * k / seats[l]);
+    }
+    return picks;
+}
+
+TEST_F(ShadeTest, StratifiedPicksAreSharedOutAmongSurfacesByCoverage) {
+    const Scene scene = untextured_scene();
+    const LitScene lit(device(), scene);
+    constexpr std::uint32_t kWidth = 17, kHeight = 11;
+    for (const std::uint32_t m : {2u, 3u, 4u, 8u}) {
+        const std::uint32_t n = m * m;
+        const Image samples = render(lit, params(m * kWidth, m * kHeight, 1, AaMethod::none));
+        const std::vector<std::uint32_t> order = paper_order(static_cast<int>(m));
+        Pcg32 rng(m);
+        std::vector<std::uint8_t> map(kWidth * kHeight);
+        std::vector<std::vector<std::uint32_t>> labels(map.size());
+        const std::uint32_t words = n > 16 ? 4 : 1;
+        std::vector<std::uint32_t> texels(map.size() * words);
+        for (std::size_t p = 0; p < map.size(); ++p) {
+            map[p] = static_cast<std::uint8_t>(1 + rng.below(n));
+            // Surfaces of any size, numbered as they occur.
+            const std::uint32_t surfaces = 1 + rng.below(4);
+            std::uint32_t known = 1;
+            for (std::uint32_t rank = 0; rank < n; ++rank) {
+                std::uint32_t label = rank == 0 || rng.below(2) ? 0 : rng.below(surfaces);
+                if (label >= known) label = known++;
+                labels[p].push_back(label);
+                texels[p * words + rank / 16] |= label << 2 * (rank % 16);
+            }
+        }
+        SceneBench bench(device(), scene, scene.cameras.front(), kWidth, kHeight, m, order);
+        const ShadingInputs in{.scene = bench.inputs,
+            .gbuffer = add_gbuffer(bench.graph, bench.inputs, {kWidth, kHeight, m}, 16384),
+            .shadow_map = {}};
+        const ShadingParams shading{.width = kWidth, .height = kHeight, .m = m};
+        const AdaptiveInputs counts{.first_sample = add_first_sample(bench.graph, in, shading),
+            .sample_count = bench.image("sample_count", VK_FORMAT_R8_UINT, kWidth, kHeight, map),
+            .clusters = bench.image("clusters",
+                words == 4 ? VK_FORMAT_R32G32B32A32_UINT : VK_FORMAT_R32_UINT, kWidth, kHeight,
+                texels)};
+        const ImageHandle sum = add_shade_loop(bench.graph, in, shading, counts);
+        bench.graph.export_resource(sum, "test");
+        bench.execute();
+        const Image found = bench.read(sum);
+        std::size_t several = 0;
+        for (std::size_t p = 0; p < map.size(); ++p) {
+            const std::uint32_t k = map[p];
+            if (k == 1 || k == n) continue;
+            const auto picks = stratified_picks(labels[p], k);
+            ASSERT_EQ(picks.size(), k);
+            ASSERT_EQ(picks.front().first, 0u) << "S is always taken";
+            several += picks[1].second != 1.0;
+            const int x = static_cast<int>(p % kWidth), y = static_cast<int>(p / kWidth);
+            for (int c = 0; c < 4; ++c) {
+                double expected = 0, weights = 0;
+                for (const auto& [rank, weight] : picks) {
+                    weights += weight;
+                    expected +=
+                        weight *
+                        samples.at(x * static_cast<int>(m) + static_cast<int>(order[rank] % m),
+                            y * static_cast<int>(m) + static_cast<int>(order[rank] / m), c);
+                }
+                ASSERT_NEAR(weights, k, 1e-9);
+                ASSERT_NEAR(found.at(x, y, c), expected, 2e-6 * std::max(1.0, expected))
+                    << "m = " << m << ", k = " << k << ", pixel " << x << "," << y;
+            }
+        }
+        EXPECT_GT(several, map.size() / 8) << "weights differ";
     }
 }
 
