@@ -56,6 +56,24 @@ std::uint64_t sorted_slots(const Histogram& all, std::uint32_t lanes) {
 
 } // namespace
 
+const char* name_of(Dispatch dispatch) {
+    switch (dispatch) {
+    case Dispatch::loop:
+        return "loop";
+    case Dispatch::buckets:
+        return "buckets";
+    case Dispatch::repack:
+        return "repack";
+    case Dispatch::stencil:
+        return "stencil";
+    case Dispatch::depth:
+        return "depth";
+    case Dispatch::sort:
+        break;
+    }
+    return "sort";
+}
+
 double lane_efficiency(std::span<const float> counts, std::uint32_t width, std::uint32_t height,
     Dispatch dispatch, std::uint32_t lanes) {
     check(counts.size() == std::size_t{width} * height && lanes % 4 == 0, "a map and whole groups");

@@ -17,6 +17,12 @@ enum class Dispatch {
     sort,    ///< one dispatch over pixels sorted by count
 };
 
+inline constexpr Dispatch kDispatches[] = {Dispatch::loop, Dispatch::buckets, Dispatch::repack,
+    Dispatch::stencil, Dispatch::depth, Dispatch::sort};
+
+/// "loop", "buckets", ...: as on command lines.
+const char* name_of(Dispatch dispatch);
+
 /// Useful share of SIMD lanes, 0 ... 1, where groups of `lanes` (a multiple of 4) work as long as
 /// their longest lane: `counts` of width x height pixels, row by row. Each pixel's first sample
 /// counts as a full lane, for it is shaded before, alike for all.

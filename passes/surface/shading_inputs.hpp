@@ -12,8 +12,8 @@ namespace ockham {
 struct ShadingInputs {
     SceneInputs scene;
     Gbuffer gbuffer;
-    ImageHandle shadow_map;    ///< empty: no shadow
-    BufferHandle frame_before; ///< FrameData of the execution before; empty: the camera stays
+    ImageHandle shadow_map;         ///< empty: no shadow
+    BufferHandle frame_before = {}; ///< FrameData of the execution before; empty: the camera stays
 };
 
 struct ShadingParams {

@@ -149,12 +149,9 @@ AdaptiveAaParams picture_params(const Options& o, bool moving) {
                : o.method == "ssaa"    ? AaMethod::ssaa
                                        : AaMethod::adaptive;
     p.k = static_cast<std::uint32_t>(o.k);
-    p.dispatch = o.dispatch == "loop"      ? Dispatch::loop
-                 : o.dispatch == "repack"  ? Dispatch::repack
-                 : o.dispatch == "stencil" ? Dispatch::stencil
-                 : o.dispatch == "depth"   ? Dispatch::depth
-                 : o.dispatch == "sort"    ? Dispatch::sort
-                                           : Dispatch::buckets;
+    for (const Dispatch dispatch : kDispatches) {
+        if (o.dispatch == name_of(dispatch)) p.dispatch = dispatch;
+    }
     p.powers_of_two = o.k_levels == "pow2";
     p.count_block = parse_k_filter(o.k_filter);
     p.gbuffer = o.gbuffer == "visibility" ? GbufferLayout::visibility : GbufferLayout::packed;

@@ -25,6 +25,7 @@ struct Options {
     int m_max = 4;
     int stall = 2000;
     int repeats = 3;
+    bool back_ends = false;
     std::string out;
     float depth_weight = -1, normal_weight = -1, shading_weight = -1; ///< < 0: by the window
 };
@@ -33,18 +34,31 @@ struct Options {
 struct Row {
     AaMethod method = AaMethod::none;
     std::uint32_t m = 1;
-    std::array<FrameTimes, 2> times{}; ///< cheap, stalled
+    Dispatch dispatch = Dispatch::buckets; ///< adaptive only
+    std::array<FrameTimes, 2> times{};     ///< cheap, stalled
     AdaptiveAa::SampleCounts counts{};
     std::optional<ImageError> error{}; ///< against the reference of the same m
 
     double shading(std::size_t stalled) const { return times[stalled].total_of(is_shading_pass); }
     std::string supersampling() const { return fmt::format("{0}x{0}", m); }
-    const char* name() const {
-        return method == AaMethod::adaptive ? "Adaptive"
+    std::string name() const {
+        return method == AaMethod::adaptive ? fmt::format("Adaptive, {}", name_of(dispatch))
                : method == AaMethod::ssaa   ? "Reference"
                                             : "Default";
     }
 };
+
+/// The rows of one window width; the first is the reference.
+std::vector<Row> rows_of(std::uint32_t m, bool back_ends, const gpu::Device& device) {
+    if (m == 1) return {{.method = AaMethod::none, .m = 1}};
+    std::vector<Row> rows{{.method = AaMethod::ssaa, .m = m}};
+    for (const Dispatch dispatch : kDispatches) {
+        if (dispatch != AdaptiveAaParams{}.dispatch && !back_ends) continue;
+        if (dispatch == Dispatch::stencil && !device.exports_stencil()) continue;
+        rows.push_back({.method = AaMethod::adaptive, .m = m, .dispatch = dispatch});
+    }
+    return rows;
+}
 
 class TableMaker {
 public:
@@ -87,6 +101,7 @@ private:
         p.height = static_cast<std::uint32_t>(options_.common.height);
         p.m = row.m;
         p.method = row.method;
+        p.dispatch = row.dispatch;
         p.metrics = default_metrics(row.m);
         if (options_.depth_weight >= 0) p.metrics.depth_weight = options_.depth_weight;
         if (options_.normal_weight >= 0) p.metrics.normal_weight = options_.normal_weight;
@@ -115,22 +130,24 @@ std::string markdown(const std::vector<Row>& rows, const std::string& heading) {
         heading +
         "| Supersampling | Method | ms/frame | stalled ms | shading ms | stalled shading ms | MSE "
         "x1e-5 "
-        "| PSNR dB (peak 1) | PSNR dB (paper's convention) | samples % | captured | captured, "
-        "stalled "
-        "| whole frame, stalled |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+        "| PSNR dB (peak 1) | PSNR dB (paper's convention) | samples % | lane efficiency "
+        "| captured | captured, stalled | whole frame | whole frame, stalled |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
     const Row* reference = nullptr;
     for (const Row& row : rows) {
         if (row.method == AaMethod::ssaa) reference = &row;
         text += fmt::format("| {} | {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} ", row.supersampling(),
             row.name(), row.times[0].total(), row.times[1].total(), row.shading(0), row.shading(1));
         if (row.method != AaMethod::adaptive || reference == nullptr) {
-            text += fmt::format("| | | | {:.1f} | | | |\n", row.counts.percent);
+            text += fmt::format("| | | | {:.1f} | | | | | |\n", row.counts.percent);
             continue;
         }
-        text += fmt::format("| {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.2f} | {:.2f} | {:.2f} |\n",
-            1e5 * row.error->mse, row.error->psnr, row.error->psnr + 20.0 * std::log10(255.0),
-            row.counts.percent, captured(row, *reference, 0, false),
-            captured(row, *reference, 1, false), captured(row, *reference, 1, true));
+        text += fmt::format("| {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.3f} ", 1e5 * row.error->mse,
+            row.error->psnr, row.error->psnr + 20.0 * std::log10(255.0), row.counts.percent,
+            row.counts.lane_efficiency);
+        text += fmt::format("| {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n",
+            captured(row, *reference, 0, false), captured(row, *reference, 1, false),
+            captured(row, *reference, 0, true), captured(row, *reference, 1, true));
     }
     return text;
 }
@@ -140,7 +157,7 @@ std::string csv(const std::vector<Row>& rows) {
         "m,method,total_gpu_ms,stalled_total_gpu_ms,shading_gpu_ms,stalled_shading_gpu_ms,mse,"
         "psnr,ssim,flip,samples_percent,shaded_percent,lane_efficiency\n";
     for (const Row& row : rows) {
-        text += fmt::format("{},{},{},{},{},{},", row.m, row.name(), row.times[0].total(),
+        text += fmt::format("{},\"{}\",{},{},{},{},", row.m, row.name(), row.times[0].total(),
             row.times[1].total(), row.shading(0), row.shading(1));
         text += row.error ? fmt::format("{},{},{},{},", row.error->mse, row.error->psnr,
                                 row.error->ssim, row.error->flip.mean)
@@ -161,6 +178,8 @@ int run(int argc, char** argv) {
         .group("Table");
     params.add("repeats", &o.repeats, "executions of each row after one that warms up")
         .range(1, 1000)
+        .group("Table");
+    params.add("back-ends", &o.back_ends, "a row for every --dispatch of adaptive_aa")
         .group("Table");
     params.add("out", &o.out, "writes this .md and this .csv").group("Table").transient();
     params.add("c-depth", &o.depth_weight, "weight of the depth variance; -1: 15 m")
@@ -193,13 +212,7 @@ int run(int argc, char** argv) {
     Progress progress("window width", static_cast<std::size_t>(o.m_max), o.common.quiet);
     for (std::uint32_t m = 1; m <= static_cast<std::uint32_t>(o.m_max); ++m) {
         if (m > 4 && m != 8) continue; // widths without a printed order
-        std::vector<Row> group;
-        if (m == 1) {
-            group.push_back({.method = AaMethod::none, .m = 1});
-        } else {
-            group.push_back({.method = AaMethod::ssaa, .m = m});
-            group.push_back({.method = AaMethod::adaptive, .m = m});
-        }
+        std::vector<Row> group = rows_of(m, o.back_ends, device);
         table.measure(group);
         if (interrupted()) return 130;
         for (Row& row : group) rows.push_back(std::move(row));

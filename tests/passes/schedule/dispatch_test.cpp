@@ -9,13 +9,10 @@
 namespace ockham::test {
 namespace {
 
-constexpr Dispatch kAll[] = {Dispatch::loop, Dispatch::buckets, Dispatch::repack, Dispatch::stencil,
-    Dispatch::depth, Dispatch::sort};
-
 TEST(Dispatch, EqualCountsFillEveryLane) {
     for (const float k : {1.0f, 4.0f, 64.0f}) {
         const std::vector<float> map(16 * 16, k);
-        for (const Dispatch dispatch : kAll)
+        for (const Dispatch dispatch : kDispatches)
             EXPECT_EQ(lane_efficiency(map, 16, 16, dispatch, 8), 1.0);
     }
 }
@@ -24,7 +21,7 @@ TEST(Dispatch, OneDearPixelHoldsItsGroup) {
     std::vector<float> map(16 * 16, 1.0f);
     map[5 * 16 + 3] = 10.0f; // 9 samples beyond the first
     const double useful = 256 + 9;
-    for (const Dispatch dispatch : kAll) {
+    for (const Dispatch dispatch : kDispatches) {
         // 8 lanes wait for one; repacked, nine pairs take two groups of 8.
         const double slots = dispatch == Dispatch::repack ? 16 : 72;
         EXPECT_EQ(lane_efficiency(map, 16, 16, dispatch, 8), useful / (256 + slots));

@@ -75,9 +75,6 @@ TEST_F(ShadeTest, UniformTakesTheFirstSamplesOfTheOrder) {
     }
 }
 
-constexpr Dispatch kBackEnds[] = {Dispatch::loop, Dispatch::buckets, Dispatch::repack,
-    Dispatch::stencil, Dispatch::depth, Dispatch::sort};
-
 /// Sums by one back end for any map of counts, as bits of the floats; 0 where k = 1.
 class BackEndBench {
 public:
@@ -159,10 +156,10 @@ TEST_F(ShadeTest, AnyMapOfCountsGivesTheSameSumsByEveryBackEnd) {
         {Case{19, 13, 4}, {11, 9, 8}, {1, 1, 4}, {7, 5, 3}, {8191, 1, 2}}) {
         const auto maps = hard_maps(std::size_t{width} * height, m * m);
         std::vector<std::vector<std::uint32_t>> expected;
-        for (const Dispatch dispatch : kBackEnds) {
+        for (const Dispatch dispatch : kDispatches) {
             if (dispatch == Dispatch::stencil && !device().exports_stencil()) continue;
             SCOPED_TRACE(testing::Message() << width << "x" << height << ", m = " << m
-                                            << ", back end " << static_cast<int>(dispatch));
+                                            << ", --dispatch " << name_of(dispatch));
             BackEndBench bench(device(), scene, width, height, m, dispatch);
             for (std::size_t i = 0; i < maps.size(); ++i) {
                 const auto sums = bench.sums(maps[i]);
@@ -177,11 +174,11 @@ TEST_F(ShadeTest, RoundsContinueTheSameSumsInEveryBackEnd) {
     const Scene scene = varied_scene();
     const auto map = hard_maps(11 * 9, 16).back();
     const auto expected = BackEndBench(device(), scene, 11, 9, 4, Dispatch::loop).sums(map);
-    for (const Dispatch dispatch : kBackEnds) {
+    for (const Dispatch dispatch : kDispatches) {
         if (dispatch == Dispatch::stencil && !device().exports_stencil()) continue;
         // 10,000 iterations of stall: four samples fit one kernel.
         BackEndBench bench(device(), scene, 11, 9, 4, dispatch, 16 * 10000);
-        EXPECT_EQ(bench.sums(map), expected) << "back end " << static_cast<int>(dispatch);
+        EXPECT_EQ(bench.sums(map), expected) << "--dispatch " << name_of(dispatch);
     }
 }
 
