@@ -36,12 +36,16 @@ void validate(const CacheParams& params) {
     if (params.working_set < kGroup)
         fail_input(
             "cache: working set of {} cells: expected at least {}", params.working_set, kGroup);
-    check(params.iterations >= 1, "a loop budget of at least 1");
+    check(params.iterations >= 1 && params.places >= 1,
+        "a loop budget, and a place to store what it interrupts");
 }
 
 std::uint64_t cell_count(glm::uvec3 dims, std::uint32_t scale) {
     const glm::uvec3 grid = (dims + glm::uvec3(scale - 1)) / glm::uvec3(scale);
     return std::uint64_t{grid.x} * grid.y * grid.z;
+}
+std::uint64_t run_bytes(std::uint64_t cells) {
+    return (cells + CACHE_RUN - 1) / CACHE_RUN * sizeof(glm::uvec2);
 }
 std::uint64_t index_bytes(std::uint64_t cells) { return sizeof(shader::CacheHeader) + 4 * cells; }
 
@@ -57,11 +61,16 @@ std::uint32_t set_of(const CacheParams& params) {
     return std::min(params.working_set, std::max(params.capacity, kGroup));
 }
 
+std::uint32_t places_of(const CacheParams& params) {
+    return std::min(params.places, set_of(params));
+}
+
 shader::CachePush push_of(const MediumInputs& medium, const CacheParams& params) {
     return {.scale = params.scale,
         .format = static_cast<std::uint32_t>(params.format),
         .directional = params.directional,
         .set = set_of(params),
+        .places = places_of(params),
         .capacity = params.capacity,
         .occlusion = params.occlusion && medium.surfaces,
         .hold_solid = params.hold_solid,
@@ -99,7 +108,7 @@ Marked add_marks(
     Graph& graph, const MediumInputs& medium, const shader::CachePush& push, BufferHandle index) {
     const std::uint64_t words = piece_words(medium.facts.dims);
     const std::uint64_t runs = (push.cells + CACHE_RUN - 1) / CACHE_RUN;
-    Marked out{index, graph.create_buffer("cache_runs", {runs * sizeof(glm::uvec2)})};
+    Marked out{index, graph.create_buffer("cache_runs", {run_bytes(push.cells)})};
     BufferHandle bits = graph.create_buffer("cache_pieces", {words * sizeof(shader::CachePieces)});
 
     PassBuilder classify = graph.add_compute_pass("cache_classify");
@@ -140,7 +149,7 @@ BufferHandle add_layout(
     return marked.index;
 }
 
-/// What is refined: fp32 sums and paths under way, of a bounded number of slots.
+/// What is refined: fp32 sums of a bounded number of slots, and interrupted paths.
 struct WorkingSet {
     BufferHandle control, sums, paths;
 };
@@ -270,16 +279,16 @@ CacheSize count_cache_cells(gpu::Device& device, const VolumeGpu& volume, const 
                     "cache format",
             found.slots, cells, mib(stored), bytes_of_cell(params), mib(limit));
     }
-    if (set * sizeof(shader::CachePath) > limit) {
+    if (set * sizeof(shader::CacheSum) > limit) {
         fail_device("cache: a working set of {} cells takes {:.1f} MiB, but the device binds "
                     "{:.1f} MiB at a time; use a smaller one",
-            set, mib(set * sizeof(shader::CachePath)), mib(limit));
+            set, mib(set * sizeof(shader::CacheSum)), mib(limit));
     }
     return {.cells = static_cast<std::uint32_t>(cells),
         .slots = found.slots,
         .solid = found.solid,
-        .bytes = index_bytes(cells) + stored +
-                 set * (sizeof(shader::CacheSum) + sizeof(shader::CachePath))};
+        .bytes = index_bytes(cells) + stored + set * sizeof(shader::CacheSum) +
+                 places_of(sized) * sizeof(shader::CachePath) + pieces + run_bytes(cells)};
 }
 
 Cache add_cache(Graph& graph, const MediumInputs& inputs, const CacheParams& params) {
@@ -298,8 +307,8 @@ Cache add_cache(Graph& graph, const MediumInputs& inputs, const CacheParams& par
     WorkingSet set{
         .control = graph.create_persistent_buffer("cache_control", {sizeof(shader::CacheControl)}),
         .sums = graph.create_persistent_buffer("cache_sums", {push.set * sizeof(shader::CacheSum)}),
-        .paths =
-            graph.create_persistent_buffer("cache_paths", {push.set * sizeof(shader::CachePath)})};
+        .paths = graph.create_persistent_buffer(
+            "cache_paths", {push.places * sizeof(shader::CachePath)})};
     {
         const GuardScope guard = graph.when(out.layout);
         out.index = add_layout(graph, medium, push, out.index);

@@ -27,6 +27,7 @@ struct CacheParams {
     bool hold_solid = false;
     float target_error = 0.02f;           ///< relative standard error of each cell's mean, >= 0
     std::uint32_t working_set = 1u << 19; ///< cells that are refined at a time, >= 64
+    std::uint32_t places = 1u << 13;      ///< for paths that the loop budget has interrupted, >= 1
     std::uint32_t paths = 8; ///< of the neediest cells in one execution: a power of two, >= 8
     std::uint32_t iterations = 20000; ///< loop budget of an invocation, >= 1
     std::uint32_t capacity = 1;       ///< cells that hold memory: CacheSize::slots
@@ -36,7 +37,7 @@ struct CacheSize {
     std::uint32_t cells = 0; ///< of the grid: 4 bytes each
     std::uint32_t slots = 0; ///< cells that hold memory
     std::uint32_t solid = 0; ///< of these, inside the surface
-    std::uint64_t bytes = 0; ///< index, stored cells and working set
+    std::uint64_t bytes = 0; ///< index, stored cells, working set, and the marks of a new layout
 };
 
 /// Counts what the cache needs for a volume, transfer function, crop and isovalue, on the device.

@@ -18,7 +18,8 @@ OCKHAM_SHARED_BEGIN
 #define CACHE_SET_WIDTH 1024u  // of the working set, laid out as an image for add_buckets()
 #define CACHE_BUCKETS 5u       // bucket b + 1: 0, 1/8, 1/4, 1/2, 1 of CachePush::paths
 #define CACHE_REPLACE_PATHS 8u // a new value replaces an old one from so many paths on
-#define CACHE_TRUST_PATHS 32u  // a variance of fewer paths says nothing
+#define CACHE_TRUST_PATHS 32u  // a variance of fewer paths says nothing; a power of two
+#define CACHE_TRUST_TIMES 7u   // as many more paths as it has seen may be foreseen by it
 
 // A word of the index: slot in the low 25 bits, the place of the representative point, and whether
 // a surface is near; all ones: no slot, no light. At most 2^25 - 1 slots.
@@ -62,18 +63,21 @@ struct CacheSum {
     float contribution; ///< (0, 1]: opacity of the cell
     uint owed;          ///< paths that were ordered and have not ended
     uint least;         ///< paths from which on readers see the mean
+    uint due;           ///< 0: the paths judge how many are needed; then so many, and `least` judged
 };
-OCKHAM_SHARED_SIZE(CacheSum, 52);
+OCKHAM_SHARED_SIZE(CacheSum, 56);
 
-/// A path of a cell that the loop budget has interrupted.
+/// A path of a cell that the loop budget has interrupted. Few are, so that the cells share some
+/// places: whoever finds the place taken forgets the path, and begins it anew in the next execution.
 struct CachePath {
+    uint owner;    ///< 1 + slot of the working set; 0: free. A slot has one place: modulo their number
     Path path;
     vec3 first;    ///< direction in which it left the cell
     vec3 straight; ///< radiance that came without a scattering from a sampled light ...
     vec3 to_light; ///< ... which is there
     uint tries;    ///< places that were no good for the next path's beginning
 };
-OCKHAM_SHARED_SIZE(CachePath, 164);
+OCKHAM_SHARED_SIZE(CachePath, 168);
 
 /// Where refinement stands; kept between executions.
 struct CacheControl {
@@ -101,6 +105,7 @@ struct CachePush {
     uint format;
     uint directional;
     uint set;        ///< slots of the working set
+    uint places;     ///< of interrupted paths
     uint capacity;   ///< slots that there is memory for
     uint occlusion;  ///< 1: surfaces keep light out
     uint hold_solid; ///< 1: cells inside the surface get slots too
@@ -110,7 +115,7 @@ struct CachePush {
     uint iterations; ///< loop budget of an invocation
     float target;    ///< relative standard error
 };
-OCKHAM_SHARED_SIZE(CachePush, 48);
+OCKHAM_SHARED_SIZE(CachePush, 52);
 
 OCKHAM_SHARED_END
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // reads cache_index and cache_cells; fills the working set with the block of slots that begins:
-// cache_sums at zero, with the opacity of each cell as its contribution, cache_paths with none under
+// cache_sums at zero, with the opacity of each cell as its contribution, cache_paths with no path under
 // way. Where readers see an older value, they go on with it for a while; else any value is better.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -32,19 +32,14 @@ float contribution_of(uvec3 cell) {
     return max(1.0 - exp(-sigma * side), 1.0 / 64.0);
 }
 
-void put(uint slot, CacheSum sum) {
-    cache_sums.items[slot] = sum;
-    cache_paths.items[slot].path.stage = PATH_ENDED;
-    cache_paths.items[slot].tries = 0u;
-}
-
 void main() {
     uint i = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u + gl_LocalInvocationIndex;
     CacheHeader header = cache_index.header;
     uint first = cache_control.data.block * push.set;
     uint slots = min(header.slots, push.capacity);
-    CacheSum empty = CacheSum(vec3(0.0), 0.0, vec3(0.0), 0u, CACHE_NONE, CACHE_NONE, 0.0, 0u, 0u);
-    if (i < push.set && first + i >= slots) put(i, empty); // the last block may not fill the set
+    CacheSum empty = CacheSum(vec3(0.0), 0.0, vec3(0.0), 0u, CACHE_NONE, CACHE_NONE, 0.0, 0u, 0u, 0u);
+    if (i < push.places) cache_paths.items[i].owner = 0u;
+    if (i < push.set && first + i >= slots) cache_sums.items[i] = empty; // the last block may be short
 
     if (i >= header.cells.x * header.cells.y * header.cells.z) return;
     uint word = cache_index.words[i];
@@ -59,5 +54,5 @@ void main() {
         sum.least = old ? CACHE_REPLACE_PATHS : 1u;
         sum.contribution = contribution_of(cache_cell(i, header.cells));
     }
-    put(slot - first, sum);
+    cache_sums.items[slot - first] = sum;
 }

@@ -28,6 +28,11 @@ float cache_squared_error(CacheSum sum) {
     float unseen = cache_light();
     return (max(sum.square - n * mean * mean, 0.0) + unseen * unseen) / (n * (n - 1.0));
 }
+/// How many paths a mean needs for a relative standard error of `goal`, as those of the sum judge it.
+float cache_need(CacheSum sum, float goal) {
+    float bound = goal * cache_scale_of_error(sum), error = cache_squared_error(sum);
+    return error > 0.0 ? float(sum.count) * error / (bound * bound) : 0.0;
+}
 /// The mean's relative standard error is at most `goal`.
 bool cache_within(CacheSum sum, float goal) {
     float bound = goal * cache_scale_of_error(sum), error = cache_squared_error(sum);

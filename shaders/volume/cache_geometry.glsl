@@ -56,19 +56,22 @@ bool cache_kept(vec3 unit) {
     return true;
 }
 
-/// Whether no surface comes between a point and the representative of a cell near a surface. Tests
-/// the field every half voxel, and neither end: the point may stand on the surface. Walls thinner
-/// than half a voxel may be missed. `budget` loses the loop's iterations, and stops at 0.
-bool cache_sees(vec3 from, vec3 representative, inout uint budget) {
-    uint sides = cache_sides(representative);
+const uint kHidden = 0u;   // an opaque surface stands between
+const uint kGlimpsed = 1u; // translucent ones do
+const uint kSeen = 2u;
+
+/// How a point sees the representative of a cell near a surface. Tests the field every half voxel,
+/// and neither end: the point may stand on the surface. Walls thinner than half a voxel may be
+/// missed. `budget` loses the loop's iterations, and stops at 0.
+uint cache_sees(vec3 from, vec3 representative, inout uint budget) {
+    uint sides = cache_sides(representative), opaque = cache_opaque_surfaces(), crossed = 0u;
     vec3 way = representative - from;
     vec3 voxels = abs(way) * vec3(frame.data.dims);
     uint steps = uint(2.0 * max(max(voxels.x, voxels.y), voxels.z)) + 1u;
-    bool clear = true;
-    for (uint i = 0u; i < steps && clear; ++i)
-        clear = cache_sides(from + way * ((float(i) + 0.5) / float(steps))) == sides;
-    budget -= min(budget, steps * (frame.data.surface_count + 1u));
-    return clear;
+    for (uint i = 0u; i < steps && (crossed & opaque) == 0u; ++i)
+        crossed |= cache_sides(from + way * ((float(i) + 0.5) / float(steps))) ^ sides;
+    budget -= min(budget, (steps + 2u) * (frame.data.surface_count + 1u));
+    return (crossed & opaque) != 0u ? kHidden : crossed != 0u ? kGlimpsed : kSeen;
 }
 
 #endif

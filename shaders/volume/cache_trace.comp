@@ -2,7 +2,8 @@
 // reads the cells of one bucket, the medium, its surfaces and its light; adds paths to cache_sums.
 // Paths begin at places in the cell that are outside the solid and see the point that stands for
 // the cell, so that a cell which a wall divides stands for one side. What the loop budget interrupts
-// waits in cache_paths for the next execution. Sums are added in the order of the paths.
+// waits in cache_paths for the next execution, or begins anew there. Sums are added in the order of the
+// paths.
 //   phi = mean of radiance,  F = mean of luminance times direction
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -31,6 +32,8 @@ struct Start {
     bool near;
 };
 
+bool owns(uint place, uint slot) { return atomicAdd(cache_paths.items[place].owner, 0u) == slot + 1u; }
+
 /// Begins a path of number `index` at one more place, or leaves `path` ended: in the solid, unseen.
 void try_start(Start start, uint index, uint tries, inout Path path, inout uint budget) {
     Random random = make_random(frame.data.seed ^ kCellSeed, start.cell, index);
@@ -39,7 +42,7 @@ void try_start(Start start, uint index, uint tries, inout Path path, inout uint 
     vec3 unit = tries < kPlaces ? mix(start.low, start.high, xi.xyz) : start.representative;
     bool good = !start.near || cache_kept(unit);
 #ifdef SURFACES
-    if (start.near && good) good = cache_sees(unit, start.representative, budget);
+    if (start.near && good) good = cache_sees(unit, start.representative, budget) == kSeen;
 #endif
     if (good) path = begin_cell_path(world_from_unit(unit), random);
 }
@@ -52,7 +55,13 @@ void main() {
     uint slot = (word >> 16u) * CACHE_SET_WIDTH + (word & 0xffffu);
 
     CacheSum sum = cache_sums.items[slot];
-    CachePath state = cache_paths.items[slot];
+    uint place = slot % push.places;
+    bool kept = owns(place, slot);
+    CachePath state = cache_paths.items[place];
+    if (!kept) {
+        state.path.stage = PATH_ENDED;
+        state.tries = 0u;
+    }
     Start start;
     uvec3 cell = cache_cell(sum.cell, cache_grid(push.scale));
     cache_bounds(cell, push.scale, start.low, start.high);
@@ -62,11 +71,15 @@ void main() {
 
     Tracker tracker = resume(state.path);
     uint budget = push.iterations, done = 0u, bad = 0u;
-    while (sum.owed > 0u && budget > 0u) {
+    bool going = true;
+    while (going && sum.owed > 0u && budget > 0u) {
         if (state.path.stage == PATH_ENDED) {
+            going = done == 0u || budget >= push.iterations / 2u; // rather whole paths than halves
+            if (!going) continue;
             --budget;
             state.path.radiance = vec3(0.0);
-            try_start(start, sum.count, state.tries, state.path, budget);
+            uint index = sum.count + (sum.due > 0u ? sum.least : 0u);
+            try_start(start, index, state.tries, state.path, budget);
             tracker = resume(state.path);
             state.first = state.path.direction;
             state.straight = vec3(0.0);
@@ -94,8 +107,14 @@ void main() {
         ++done;
     }
     suspend(state.path, tracker);
-    cache_paths.items[slot] = state;
     cache_sums.items[slot] = sum;
+    if (state.path.stage != PATH_ENDED || state.tries > 0u) {
+        state.owner = slot + 1u;
+        kept = kept || atomicCompSwap(cache_paths.items[place].owner, 0u, state.owner) == 0u;
+        if (kept) cache_paths.items[place] = state;
+    } else if (kept) {
+        atomicExchange(cache_paths.items[place].owner, 0u);
+    }
 
     // Statistics: whole numbers, so that their order does not matter.
     atomicAdd(cache_control.data.step_paths, done);

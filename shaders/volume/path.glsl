@@ -36,9 +36,9 @@ const float kRouletteThroughput = 0.25; // paths below it live on by chance
 // Of a lookup in the cache: eight cells, each with a loop over the surfaces for the side of its
 // representative, and one for every step to it. No cell that is blended has its centre further away
 // than one cell along an axis, nor its representative further from that than half a cell: 6 voxels
-// at scale 4, two steps a voxel and one more. With four surfaces 8 (1 + 4 + 13 * 5) = 560.
+// at scale 4, two steps a voxel and one more. With four surfaces 8 (2 + 8 + 13 * 5) = 600.
 #ifdef SURFACES
-const uint kLookupIterations = 8u * (1u + MAX_SURFACES + 13u * (MAX_SURFACES + 1u));
+const uint kLookupIterations = 8u * (2u + 2u * MAX_SURFACES + 13u * (MAX_SURFACES + 1u));
 #else
 const uint kLookupIterations = 9u;
 #endif

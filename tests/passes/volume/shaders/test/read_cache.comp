@@ -2,6 +2,7 @@
 // reads places (unit coordinates, then a direction) and the cache; writes light: what readers get.
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#define SURFACES // the frame may have none
 #extension GL_EXT_scalar_block_layout : require
 
 #include "volume/medium.glsl"
