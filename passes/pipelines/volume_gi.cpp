@@ -26,8 +26,9 @@ VolumeGiParams checked(const VolumeGiParams& params) {
     if (params.samples_per_step < 1) fail_input("0 samples per step: each step must take some");
     const bool composes = params.mode == VolumeMode::caching && !params.gather;
     if (params.search != SurfaceSearch::exact && !composes) {
-        fail_input("surface search: paths meet surfaces exactly; a stochastic or marched depth is "
-                   "for the composition, --mode caching --gather off");
+        fail_input("surface search: paths meet surfaces from anywhere and in any direction, and an "
+                   "image of depths knows camera rays through pixel centres alone; a stochastic or "
+                   "marched one is for the composition, --mode caching --gather off");
     }
     return params;
 }

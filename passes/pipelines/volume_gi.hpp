@@ -43,7 +43,8 @@ struct VolumeGiParams {
     std::uint32_t cache_scale = 2;
     CacheFormat cache_format = CacheFormat::fp16;
     bool iso_occlusion = true; ///< surfaces keep light out of the cache
-    bool keep_on_iso = false;  ///< isovalues will change: see CacheParams::hold_solid
+    bool keep_on_iso = false;  ///< isovalues will change: cells keep their memory, and old values
+                               ///< until new ones are there (CacheParams::hold_solid)
     float cache_error = 0.02f; ///< relative standard error at which the cache is done
     SurfaceSearch search = SurfaceSearch::exact; ///< other than exact: composition only
 

@@ -46,6 +46,7 @@ struct Options {
     float target_error = 0;
     CameraMoves moves;
     int frames = 0;
+    std::string iso_to;
     std::string checkpoint, resume;
     float checkpoint_interval = 60;
     std::string convergence;
@@ -105,6 +106,9 @@ void declare(Params& params, Options& o) {
     add(kRun, "resume", &o.resume, "checkpoint to go on from, of a run with the same flags")
         .transient();
     add_camera_moves(params, o.moves, "the volume");
+    add("Picture", "iso-to", &o.iso_to,
+        "V[,V...]: values of the last picture's surfaces, on the way to which --iso changes "
+        "evenly");
     add("Picture", "frames", &o.frames, "pictures along --camera-path; 0: one for each key")
         .range(0, 100000);
     add(kReport, "convergence", &o.convergence,
@@ -127,6 +131,27 @@ std::vector<Camera> cameras_of(const Options& o) {
         first = *given;
     }
     return choose_cameras(o.moves, o.common, first, glm::vec3(0.0f), UpAxis::z, o.frames);
+}
+
+/// Of the surfaces in each picture.
+std::vector<std::vector<double>> choose_isovalues(
+    const Options& o, const VolumeView& view, std::size_t pictures) {
+    std::vector<double> first;
+    for (const VolumeView::Surface& surface : view.surfaces) first.push_back(surface.value);
+    std::vector<std::vector<double>> all(pictures, first);
+    if (o.iso_to.empty()) return all;
+    const std::vector<float> last = parse_numbers(o.iso_to);
+    if (last.empty() || last.size() != first.size()) {
+        fail_input("--iso-to: found '{}', expected as many values as --iso has: {}", o.iso_to,
+            first.size());
+    }
+    if (pictures < 2)
+        fail_input("--iso-to: one picture has one --iso; give --turntable or --camera-path");
+    for (std::size_t picture = 0; picture < pictures; ++picture)
+        for (std::size_t i = 0; i < first.size(); ++i)
+            all[picture][i] = std::lerp(first[i], double{last[i]},
+                static_cast<double>(picture) / static_cast<double>(pictures - 1));
+    return all;
 }
 
 void check_options(const Options& o, std::size_t pictures) {
@@ -162,6 +187,7 @@ VolumeGiParams picture_params(const Options& o, VolumeMode mode) {
                      : o.cache_format == "fp16" ? CacheFormat::fp16
                                                 : CacheFormat::rgb9e5;
     p.iso_occlusion = o.iso_occlusion;
+    p.keep_on_iso = !o.iso_to.empty();
     if (o.target_error > 0) p.cache_error = o.target_error;
     p.search = o.surface_search == "stochastic" ? SurfaceSearch::stochastic
                : o.surface_search == "march"    ? SurfaceSearch::march
@@ -200,14 +226,15 @@ nlohmann::ordered_json identity_of(const Params& params, const VolumeSource& sou
 class Session {
 public:
     Session(const Options& options, HeadlessRun& run, gpu::Device& device, VolumeGi& gi,
-        const std::vector<Camera>& cameras, nlohmann::ordered_json identity)
-        : o_(options), run_(run), device_(device), gi_(gi), cameras_(cameras),
-          identity_(std::move(identity)) {}
+        const VolumeView& view, const std::vector<Camera>& cameras,
+        std::vector<std::vector<double>> isovalues, nlohmann::ordered_json identity)
+        : o_(options), run_(run), device_(device), gi_(gi), view_(view), cameras_(cameras),
+          isovalues_(std::move(isovalues)), identity_(std::move(identity)) {}
 
     /// False where it was interrupted; then the checkpoint is written.
     bool render() {
         resume();
-        for (;; gi_.set_camera(cameras_[++frame_])) {
+        for (;; show(++frame_)) {
             if (!render_frame() || !add_row() || !finish()) {
                 save();
                 return false;
@@ -224,6 +251,14 @@ private:
     std::uint64_t last_step() const {
         if (o_.steps > 0) return static_cast<std::uint64_t>(o_.steps);
         return o_.time > 0 || o_.target_error > 0 ? ~std::uint64_t{0} : kDefaultSteps;
+    }
+
+    void show(std::size_t frame) {
+        gi_.set_camera(cameras_.at(frame));
+        if (o_.iso_to.empty()) return;
+        for (std::size_t i = 0; i < view_.surfaces.size(); ++i)
+            view_.surfaces[i].value = isovalues_[frame][i];
+        gi_.set_view(view_);
     }
 
     /// The steps of a picture. False where it was interrupted.
@@ -298,7 +333,7 @@ private:
         if (o_.resume.empty()) return;
         Checkpoint checkpoint = load_checkpoint(o_.resume, identity_);
         frame_ = checkpoint.progress.at("frame");
-        if (frame_ > 0) gi_.set_camera(cameras_.at(frame_));
+        if (frame_ > 0) show(frame_);
         gi_.restore(std::move(checkpoint.resources));
         seconds_ = checkpoint.progress.at("seconds");
         rows_ = checkpoint.progress.at("rows");
@@ -309,7 +344,9 @@ private:
     HeadlessRun& run_;
     gpu::Device& device_;
     VolumeGi& gi_;
+    VolumeView view_;
     const std::vector<Camera>& cameras_;
+    std::vector<std::vector<double>> isovalues_;
     nlohmann::ordered_json identity_;
     std::size_t frame_ = 0;
     double seconds_ = 0; ///< of executions
@@ -358,6 +395,7 @@ int render(int argc, char** argv) {
     VolumeSource source = load_volume_source(o.volume);
     source.view.seed = static_cast<std::uint32_t>(o.seed);
     if (o.max_bounces >= 0) source.view.max_bounces = static_cast<std::uint32_t>(o.max_bounces);
+    std::vector<std::vector<double>> isovalues = choose_isovalues(o, source.view, cameras.size());
     gpu::Device device(device_options(o.common));
     watch_shaders(device, o.common);
     log::info("{} ({})", device.info().name, device.info().driver_version);
@@ -368,8 +406,8 @@ int render(int argc, char** argv) {
     log::info("volume {} MiB, graph {} MiB", gi.gpu().bytes() >> 20,
         gi.executor().plan().bytes_peak >> 20);
 
-    Session session(
-        o, run, device, gi, cameras, identity_of(params, source, cameras, mode, device));
+    Session session(o, run, device, gi, source.view, cameras, std::move(isovalues),
+        identity_of(params, source, cameras, mode, device));
     if (!session.render()) return 130;
     expect_no_validation_messages(device);
     run.save_captures(gi.executor(), gi.captures());

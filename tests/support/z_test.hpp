@@ -2,9 +2,11 @@
 // Tests of expectations: how far a mean may lie from what it should be before chance is no excuse.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <vector>
 
 namespace ockham::test {
 
@@ -32,5 +34,22 @@ inline double z_of(const Estimate& a, const Estimate& b) {
     return distance == 0 ? 0 : distance / error;
 }
 inline double z_of(const Estimate& a, double truth) { return z_of(a, Estimate{truth, 0}); }
+
+/// Kolmogorov and Smirnov's distance of numbers from the uniform distribution on [0, 1].
+inline double distance_from_uniform(std::vector<double> numbers) {
+    std::sort(numbers.begin(), numbers.end());
+    const auto n = static_cast<double>(numbers.size());
+    double distance = 0;
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const auto below = static_cast<double>(i);
+        distance = std::max({distance, numbers[i] - below / n, (below + 1) / n - numbers[i]});
+    }
+    return distance;
+}
+/// Bound of that distance which holds with probability 0.99 for n numbers (Stephens 1970).
+inline double kolmogorov_limit(std::size_t n) {
+    const double root = std::sqrt(static_cast<double>(n));
+    return 1.628 / (root + 0.12 + 0.11 / root);
+}
 
 } // namespace ockham::test

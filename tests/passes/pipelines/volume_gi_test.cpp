@@ -276,6 +276,29 @@ TEST_F(VolumeGiTest, ASurfaceThatKeepsNoLightOutIsOfNoConcernToTheCache) {
     EXPECT_GT(gi.statistics().paths, paths);
 }
 
+TEST_F(VolumeGiTest, NewIsovaluesLeaveOldLightUntilThereIsNew) {
+    VolumeGiParams p = params(VolumeMode::caching, false);
+    p.keep_on_iso = true;
+    VolumeView view = lit();
+    view.surfaces = {{.value = 190}};
+    VolumeGi gi = make(p, view);
+    after(gi, 5);
+    const auto cells = [](VolumeGi& from) {
+        const std::vector<SavedResource> saved = from.save();
+        return std::ranges::find(saved, "cache_cells", &SavedResource::name)->bytes;
+    };
+    const std::vector<std::byte> old = cells(gi);
+    view.surfaces[0].value = 150;
+    gi.set_view(view);
+    VolumeGi fresh = make(p, view);
+    after(gi, 1);
+    after(fresh, 1);
+    EXPECT_EQ(cells(gi), old);
+    EXPECT_NE(cells(fresh), old);
+    // All cells have eight paths after four steps; samples from before then leave the mean.
+    EXPECT_TRUE(equal(after(gi, 7), after(fresh, 7)));
+}
+
 TEST_F(VolumeGiTest, ModesAreChosenByUse) {
     const Volume volume = ball();
     EXPECT_EQ(choose_mode(volume, 1, 2, 0).mode, VolumeMode::path);
