@@ -323,6 +323,8 @@ TEST_F(SurfaceSearchTest, CrossingsOnTheFacesOfCellsFallThroughNoCrack) {
 TEST_F(SurfaceSearchTest, NormalsFollowTheGradientAndNeverFail) {
     Volume volume = noise({8, 8, 8}, 16);
     volume.spacing_mm = {1, 2, 3};
+    volume.direction = {{0, 1, 0}, {0.6, 0, 0.8}, {0, 0.28, 0.96}}; // sheared, left-handed
+    ASSERT_LT(glm::determinant(volume.direction), 0);
     Scene scene(device(), std::move(volume), {0.5});
     const std::vector<Ray> rays = random_rays(scene, 2000, 17);
     const std::vector<Hit> hits = scene.find(rays);
