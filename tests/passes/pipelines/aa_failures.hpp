@@ -43,6 +43,8 @@ protected:
         AdaptiveAaParams p = paper(width, height, m);
         p.metric = MetricKind::ockham;
         p.lambda = lambda;
+        p.resolve = Resolve::stratified;
+        p.order_kind = SampleOrder::optimal;
         return p;
     }
     static AdaptiveAaParams all_samples(int width, int height, int m = 4) {

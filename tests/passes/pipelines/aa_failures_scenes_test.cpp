@@ -2,6 +2,7 @@
 // Where adaptive anti-aliasing breaks, in scenes with textures, shadows and highlights: fences that
 // recede, leaf cards, shadow edges. The numbers of the rows are those of docs/testing.md; what
 // needs flat colours only is in aa_failures_test.cpp.
+#include "framework/image_error/flicker.hpp"
 #include "framework/scene/builtin.hpp"
 #include "tests/passes/pipelines/aa_failures.hpp"
 
@@ -109,6 +110,43 @@ TEST_F(AaFailuresScenes, ShadowEdgeOnAFlatWall) {
     EXPECT_LT(largest_error(better.radiance, full, off_edge), 1e-5f);
     p.metrics.shading_weight = 0;
     EXPECT_EQ(render(lit, camera, p).most(), 1) << "nothing in the G-buffer shows it";
+}
+
+// Row 16: a camera that moves by a fraction of a pixel per frame, at equal numbers of samples.
+TEST_F(AaFailuresScenes, MovingCamerasFlickerLess) {
+    constexpr int kWidth = 96, kHeight = 72, kFrames = 5;
+    const LitScene lit(device(), builtin_scene("fence"));
+    const auto sequence = [&](const AdaptiveAaParams& p, double& percent, double& changed) {
+        Camera camera = lit.scene().cameras.front();
+        AdaptiveAa aa(device(), lit, camera, p);
+        AdaptiveAa all(device(), lit, camera, all_samples(kWidth, kHeight));
+        Flicker flicker;
+        Image before;
+        percent = changed = 0;
+        for (int frame = 0; frame < kFrames; ++frame) {
+            for (AdaptiveAa* picture : {&aa, &all}) {
+                picture->set_camera(camera);
+                picture->execute();
+            }
+            flicker.add(aa.picture(), all.picture());
+            Image counts = aa.executor().read(aa.outputs().sample_count);
+            if (!before.empty())
+                changed += share_changed(before.plane(0), counts.plane(0), 2) / (kFrames - 1);
+            percent += aa.sample_counts().percent / kFrames;
+            before = std::move(counts);
+            camera.position += glm::vec3(0.004f, 0.001f, 0.0f);
+        }
+        return flicker.rms();
+    };
+    double percent = 0, ours_percent = 0, changed = 0, ours_changed = 0;
+    const double flicker = sequence(paper(kWidth, kHeight), percent, changed);
+    AdaptiveAaParams p = ours(kWidth, kHeight);
+    p.budget = static_cast<float>(percent);
+    p.history = true;
+    const double ours_flicker = sequence(p, ours_percent, ours_changed);
+    EXPECT_LE(ours_percent, percent + 0.5);
+    EXPECT_LT(ours_flicker, 0.7 * flicker) << flicker;
+    EXPECT_LT(ours_changed, 0.05) << changed;
 }
 
 } // namespace
