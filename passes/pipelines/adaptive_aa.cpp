@@ -128,8 +128,9 @@ Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clu
         graph.omit_pass("budget", "--metric paper counts samples itself");
         return {counts.sample_count, counts.winner};
     }
-    ImageHandle variance = add_ockham_metrics(
-        graph, {in.scene.frame, in.gbuffer, clusters, first_sample, {}}, params.m);
+    ImageHandle variance =
+        add_ockham_metrics(graph, {in.scene.frame, in.gbuffer, clusters, first_sample, {}},
+            {.m = params.m, .stratified = params.resolve == Resolve::stratified});
     if (in.frame_before) {
         variance = add_variance_history(
             graph, {in.scene.frame, in.frame_before, variance, clusters.first_surface});

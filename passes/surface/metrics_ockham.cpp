@@ -2,10 +2,12 @@
 #include "passes/surface/metrics_ockham.hpp"
 
 #include "framework/runtime/commands.hpp"
+#include "shaders/surface/metrics.h"
 
 namespace ockham {
 
-ImageHandle add_ockham_metrics(Graph& graph, const OckhamMetricsInputs& in, std::uint32_t m) {
+ImageHandle add_ockham_metrics(
+    Graph& graph, const OckhamMetricsInputs& in, const OckhamMetricsParams& params) {
     ImageDesc desc = graph.desc(in.first_sample);
     desc.format = VK_FORMAT_R32G32_SFLOAT;
     PassBuilder pass = graph.add_compute_pass("metrics");
@@ -18,13 +20,16 @@ ImageHandle add_ockham_metrics(Graph& graph, const OckhamMetricsInputs& in, std:
         .sample("first_sample", in.first_sample);
     if (in.first_albedo) pass.sample("first_albedo", in.first_albedo);
     const ImageHandle out = pass.write("variance", graph.create_image("variance", desc));
-    const std::string mode = std::string(m * m > 16 ? "wide" : "") +
-                             (m * m > 16 && in.first_albedo ? "," : "") +
-                             (in.first_albedo ? "albedo" : "");
-    pass.record([desc, mode, gbuffer = in.gbuffer](Commands& commands) {
+    const bool wide = params.m * params.m > 16;
+    const std::string mode = wide              ? in.first_albedo ? "wide,albedo" : "wide"
+                             : in.first_albedo ? "albedo"
+                                               : "";
+    pass.record([desc, mode, params, gbuffer = in.gbuffer](Commands& commands) {
+        const shader::OckhamMetricsPush push{.stratified = params.stratified ? 1u : 0u};
         const std::string shader = gbuffer_variant("surface/metrics_ockham.comp", mode, gbuffer);
-        commands.dispatch_over(
-            {.shader = shader, .specialization = gbuffer_specialization(gbuffer), .push = {}},
+        commands.dispatch_over({.shader = shader,
+                                   .specialization = gbuffer_specialization(gbuffer),
+                                   .push = as_push(push)},
             {desc.width, desc.height, 1});
     });
     return out;

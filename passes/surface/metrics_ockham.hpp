@@ -16,8 +16,13 @@ struct OckhamMetricsInputs {
     ImageHandle first_albedo; ///< luma of the base colour that S has; empty: lighting is not apart
 };
 
+struct OckhamMetricsParams {
+    std::uint32_t m = 1;     ///< window width in samples, 1 ... 8
+    bool stratified = false; ///< the resolve weighs surfaces by coverage, not samples alike
+};
+
 /// Returns "variance", rg32f, one texel a pixel: shaders/surface/variance.glsl.
-/// `m`: window width in samples, 1 ... 8.
-ImageHandle add_ockham_metrics(Graph& graph, const OckhamMetricsInputs& in, std::uint32_t m);
+ImageHandle add_ockham_metrics(
+    Graph& graph, const OckhamMetricsInputs& in, const OckhamMetricsParams& params);
 
 } // namespace ockham

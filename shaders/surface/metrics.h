@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Constants of the paper's metrics.
+// Constants of the metrics.
 #ifndef OCKHAM_SHADERS_SURFACE_METRICS_H
 #define OCKHAM_SHADERS_SURFACE_METRICS_H
 
@@ -13,6 +13,10 @@ struct MetricsPush {
     float shading_weight; ///< c_s, samples per unit of luma
     float range_min;      ///< t_min
     float range_edge;     ///< t_edge
+};
+
+struct OckhamMetricsPush {
+    uint stratified; ///< 1: each surface gets samples and a weight of its own
 };
 
 // What asked for the most samples: a metric of the paper's, or, of the default metric, surfaces

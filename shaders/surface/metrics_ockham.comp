@@ -3,7 +3,8 @@
 // colours are expected to have (variance.glsl), from which allocate.comp makes k:
 //   x  w^2, within surfaces: what samples beyond the first of each surface average out
 //   y  b^2 / (C - 1), between its C surfaces: what one sample of each removes, per sample
-// Both of display-encoded luma. S is the only shading known yet, one sample a pixel, so each surface
+// Both of display-encoded luma. A prefix of the samples averages out either alike: x = w^2 + b^2,
+// y = 0. S is the only shading known yet, one sample a pixel, so each surface
 // of the window is looked for among the first samples of the neighbours: they show how bright it
 // is, with its lights and shadows, and how much that varies.
 //   own surface  w^2 = G (kEven + kBumpy s)            G: mean squared difference to the neighbours
@@ -17,6 +18,7 @@
 #include "include/color.glsl"
 #include "shared/frame.h"
 #include "surface/clusters.glsl"
+#include "surface/metrics.h"
 #include "surface/variance.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -32,6 +34,7 @@ layout(binding = 7) uniform sampler2D first_sample;
 layout(binding = 8) uniform sampler2D first_albedo;
 #endif
 layout(binding = 9, rg32f) uniform writeonly image2D variance;
+layout(push_constant, scalar) uniform Push { OckhamMetricsPush push; };
 
 // Fitted once to the variance of all samples on five scenes (docs/passes/metrics_ockham.md).
 const float kEven = 0.06;
@@ -145,5 +148,6 @@ void main() {
     // Normals of one surface that cancel leave no direction to judge by.
     vec3 cancelled = vec3(greaterThan(slopes.xyz, vec3(kCancelled)));
     within = dot(cancelled, share.xyz) > 0.0 ? kMostVariance : within;
-    imageStore(variance, pixel, pack_variance(within, kBetween * between, count).xyxy);
+    vec2 expected = push.stratified != 0u ? pack_variance(within, kBetween * between, count) : vec2(within + between, 0.0);
+    imageStore(variance, pixel, expected.xyxy);
 }

@@ -23,7 +23,8 @@ protected:
         std::vector<glm::vec2> variance;
     };
     /// Both metrics with their default constants.
-    static Result measure(const SurfaceWindows& windows, float lambda = kDefaultLambda) {
+    static Result measure(
+        const SurfaceWindows& windows, float lambda = kDefaultLambda, bool stratified = true) {
         Result result;
         {
             PassBench bench(device());
@@ -32,7 +33,8 @@ protected:
             const Clusters clusters = add_clusters(
                 bench.graph, frame, gbuffer, {windows.width, windows.height, windows.m}, "test");
             const ImageHandle variance = add_ockham_metrics(bench.graph,
-                {frame, gbuffer, clusters, first_sample(bench, windows), {}}, windows.m);
+                {frame, gbuffer, clusters, first_sample(bench, windows), {}},
+                {windows.m, stratified});
             const Allocation out =
                 add_allocate(bench.graph, variance, {.samples = windows.n(), .lambda = lambda});
             const ImageHandle kept = bench.keep(variance);
@@ -163,6 +165,26 @@ TEST_F(OckhamMetricsTest, SkyTakesOneSampleAndSilhouettesOnePerSide) {
         EXPECT_EQ(result.ockham, expected) << "m = " << m;
         EXPECT_EQ(result.paper[4 * 8 + 3], static_cast<int>(windows.n()));
     }
+}
+
+TEST_F(OckhamMetricsTest, APrefixAveragesSurfacesLikeAnythingElse) {
+    // Half of the middle pixel shows a bright surface: one sample of each suffices where they are
+    // weighed apart; a prefix of the samples has to find out how much of either there is.
+    SurfaceWindows windows(3, 3, 4);
+    for (std::uint32_t y = 0; y < 3; ++y) {
+        for (std::uint32_t x = 0; x < 3; ++x) {
+            windows.set_luma(x, y, x == 2 ? 0.9f : 0.1f);
+            for (std::uint32_t i = 0; i < 16; ++i)
+                windows.set(x, y, i, 10, {0, 0, 1}, x == 2 || (x == 1 && i % 4 > 1) ? 1 : 0);
+        }
+    }
+    // Half at 0.1 and half at 0.9: a variance of 0.16.
+    const Result prefix = measure(windows, 1e-3f, false), apart = measure(windows, 1e-3f);
+    EXPECT_NEAR(prefix.variance[4].x, 0.16f, 0.001f);
+    EXPECT_EQ(prefix.variance[4].y, 0.0f);
+    EXPECT_EQ(prefix.ockham[4], 13) << "floor(1/2 + sqrt(1/4 + 160))";
+    EXPECT_EQ(apart.ockham[4], 2);
+    EXPECT_EQ(prefix.ockham[3], 1);
 }
 
 TEST_F(OckhamMetricsTest, StepsOfLumaHaveNoDeadZone) {
