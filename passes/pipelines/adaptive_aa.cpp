@@ -35,9 +35,13 @@ bool filters_picture(AaMethod method) {
     return method == AaMethod::fxaa || method == AaMethod::smaa || method == AaMethod::taa;
 }
 
-/// Methods whose pixels differ in their counts.
-bool counts_differ(AaMethod method) {
-    return method == AaMethod::adaptive || method == AaMethod::msaa;
+/// True where pixels differ in their counts, or in how these are shared out among surfaces.
+bool needs_counts(const AdaptiveAaParams& params) {
+    if (params.method == AaMethod::uniform)
+        return params.resolve == Resolve::stratified && params.k > 1 &&
+               params.k < params.m * params.m;
+    return params.method == AaMethod::adaptive || params.method == AaMethod::msaa ||
+           params.method == AaMethod::cluster;
 }
 
 /// The parameters with everything derived: m = 1 and "none" are the same picture.
@@ -50,7 +54,11 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
         fail_input("m = {}: the window must be 1 to {} samples wide", params.m, MAX_WINDOW);
     }
     if (params.method == AaMethod::none || filters_picture(params.method)) params.m = 1;
-    if (params.method == AaMethod::msaa) params.m = 2;
+    if (params.method == AaMethod::msaa) {
+        params.m = 2;
+        params.resolve = Resolve::prefix; // one sample or all: nothing to share out
+    }
+    if (params.method == AaMethod::cluster) params.resolve = Resolve::stratified;
     const std::uint32_t n = params.m * params.m;
     if (params.method == AaMethod::ssaa) params.k = n;
     if (params.method == AaMethod::uniform && (params.k < 1 || params.k > n)) {
@@ -68,7 +76,7 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
     }
     if (n == 1 && !filters_picture(params.method)) params.method = AaMethod::none;
     if (params.order.empty()) {
-        const bool partial = counts_differ(params.method) || params.method == AaMethod::sraa ||
+        const bool partial = needs_counts(params) || params.method == AaMethod::sraa ||
                              (params.method == AaMethod::uniform && params.k < n);
         params.order = partial ? sample_order(params.order_kind, static_cast<int>(params.m))
                                : row_major_order(params.m);
@@ -98,23 +106,38 @@ void omit_what_the_scene_lacks(Graph& graph, const SceneFacts& facts) {
 /// What needs to know the surfaces of each window; empty: nothing.
 std::string clusters_reason(const AdaptiveAaParams& params) {
     if (params.method == AaMethod::msaa) return "--method msaa shades all samples of edges";
-    if (params.method != AaMethod::adaptive) return "";
-    if (params.metric == MetricKind::ockham) return "--metric ockham looks at surfaces apart";
+    if (!needs_counts(params)) return "";
+    if (params.method == AaMethod::cluster) return "--method cluster shades each surface once";
+    if (params.method == AaMethod::adaptive && params.metric == MetricKind::ockham)
+        return "--metric ockham looks at surfaces apart";
     if (params.resolve == Resolve::stratified)
         return "--resolve stratified shares samples out among surfaces";
     return "";
 }
 
+/// k of methods that look at no colour.
+ImageHandle add_surface_counts(Graph& graph, ImageHandle labels, const AdaptiveAaParams& params) {
+    const std::uint32_t n = params.m * params.m;
+    if (params.method == AaMethod::msaa) {
+        return add_cluster_counts(graph, labels, {.samples = n, .single = 1, .several = n},
+            "all samples where a pixel sees several surfaces");
+    }
+    if (params.method == AaMethod::cluster) {
+        return add_cluster_counts(graph, labels, {.samples = n, .single = 1, .several = 0},
+            "one sample for each surface that a pixel sees");
+    }
+    return add_cluster_counts(graph, labels,
+        {.samples = n, .single = params.k, .several = params.k},
+        "the same for all, to be shared out among surfaces");
+}
+
 /// k of every pixel, and what asked for it.
 Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clusters,
     ImageHandle first_sample, const AdaptiveAaParams& params) {
-    if (params.method == AaMethod::msaa) {
+    if (params.method != AaMethod::adaptive) {
         for (const char* pass : {"metrics", "allocate", "budget"})
-            graph.omit_pass(pass, "--method msaa looks at surfaces only");
-        return {
-            add_cluster_counts(graph, clusters.labels, {.samples = 4, .single = 1, .several = 4},
-                "--method msaa: all samples where a pixel sees several surfaces"),
-            {}};
+            graph.omit_pass(pass, "the method counts surfaces, if anything");
+        return {add_surface_counts(graph, clusters.labels, params), {}};
     }
     if (params.metric == MetricKind::paper) {
         MetricsParams metrics = params.metrics;
@@ -213,6 +236,7 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
     }
     case AaMethod::uniform:
     case AaMethod::ssaa: {
+        if (needs_counts(params)) break;
         const std::string reason =
             fmt::format("every pixel takes {} samples: nothing to decide", params.k);
         omit_adaptive_passes(graph, reason);
@@ -222,6 +246,7 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
         return out;
     }
     case AaMethod::msaa:
+    case AaMethod::cluster:
     case AaMethod::adaptive:
         break;
     }
@@ -312,7 +337,7 @@ AdaptiveAaOutputs add_adaptive_aa(
 AdaptiveAa::AdaptiveAa(
     gpu::Device& device, const LitScene& lit, const Camera& camera, const AdaptiveAaParams& params)
     : lit_(&lit), params_(settled(params)) {
-    if (counts_differ(params_.method) && params_.dispatch == Dispatch::stencil &&
+    if (needs_counts(params_) && params_.dispatch == Dispatch::stencil &&
         !device.exports_stencil()) {
         fail_device("--dispatch stencil needs VK_EXT_shader_stencil_export, which '{}' lacks; "
                     "--dispatch depth does the same without it",
@@ -383,7 +408,7 @@ AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {
     const std::uint64_t pixels = std::uint64_t{params_.width} * params_.height;
     SampleCounts counts;
     counts.histogram.assign(n, 0);
-    if (!counts_differ(params_.method)) {
+    if (!needs_counts(params_)) {
         const bool counted =
             params_.method == AaMethod::uniform || params_.method == AaMethod::ssaa;
         const std::uint32_t k = counted ? params_.k : 1;

@@ -27,6 +27,7 @@ enum class AaMethod {
     sraa,     ///< one sample per pixel, spread over m x m geometry
     taa,      ///< one sample per pixel and frame, gathered over the frames
     msaa,     ///< 4 samples (m = 2): all where a pixel sees several surfaces, else one
+    cluster,  ///< one sample of each surface that a pixel sees, weighed by coverage
     uniform,  ///< the same k everywhere
     ssaa,     ///< all m x m samples
     adaptive, ///< k by the metrics

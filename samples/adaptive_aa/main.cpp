@@ -56,7 +56,8 @@ void declare(Params& params, Options& o) {
     };
     add("m", &o.m, "window width: m x m samples per pixel").range(1, 8);
     add("method", &o.method, "anti-aliasing")
-        .choices({"none", "fxaa", "smaa", "sraa", "taa", "msaa", "uniform", "ssaa", "adaptive"});
+        .choices({"none", "fxaa", "smaa", "sraa", "taa", "msaa", "cluster", "uniform", "ssaa",
+            "adaptive"});
     add("k", &o.k, "samples per pixel of --method uniform").range(1, 64);
     add("preset", &o.preset,
         "metric, order and resolve at once: ockham is ockham, optimal, stratified; paper is paper, "
@@ -145,6 +146,7 @@ AdaptiveAaParams picture_params(const Options& o, bool moving) {
                : o.method == "sraa"    ? AaMethod::sraa
                : o.method == "taa"     ? AaMethod::taa
                : o.method == "msaa"    ? AaMethod::msaa
+               : o.method == "cluster" ? AaMethod::cluster
                : o.method == "uniform" ? AaMethod::uniform
                : o.method == "ssaa"    ? AaMethod::ssaa
                                        : AaMethod::adaptive;

@@ -29,7 +29,8 @@ std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base) {
     const std::uint32_t n = base.m * base.m;
     std::vector<AaSetting> settings{fixed("none", AaMethod::none, base),
         fixed("fxaa", AaMethod::fxaa, base), fixed("smaa", AaMethod::smaa, base),
-        fixed("sraa", AaMethod::sraa, base), fixed("msaa", AaMethod::msaa, base)};
+        fixed("sraa", AaMethod::sraa, base), fixed("msaa", AaMethod::msaa, base),
+        fixed("cluster", AaMethod::cluster, base)};
     for (std::uint32_t k = 1; k < n; ++k) {
         AaSetting setting = fixed("uniform", AaMethod::uniform, base);
         setting.knob = setting.params.k = k;
@@ -39,6 +40,8 @@ std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base) {
         AaSetting setting = fixed("paper", AaMethod::adaptive, base);
         setting.knob = scale;
         setting.params.metrics = default_metrics(base.m);
+        setting.params.order_kind = SampleOrder::paper;
+        setting.params.resolve = Resolve::prefix;
         for (float* weight : {&setting.params.metrics.depth_weight,
                  &setting.params.metrics.normal_weight, &setting.params.metrics.shading_weight}) {
             *weight *= static_cast<float>(scale);

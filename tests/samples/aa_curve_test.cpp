@@ -40,7 +40,7 @@ TEST_F(AaCurveTest, OneTableHasEveryMethodAndBothLimits) {
             EXPECT_NE(line.find(",999.000,"), std::string::npos) << line;
         }
     }
-    for (const char* method : {"none", "fxaa", "smaa", "sraa", "msaa", "ssaa"})
+    for (const char* method : {"none", "fxaa", "smaa", "sraa", "msaa", "cluster", "ssaa"})
         EXPECT_EQ(rows[method], 1) << method;
     EXPECT_EQ(rows["uniform"], 3) << "k = 1, 2, 3";
     for (const char* method : {"paper", "ockham", "limit_variance", "limit_clairvoyant"})

@@ -19,6 +19,8 @@ struct Options {
     int m = 4;
     int stall = 0;
     int repeats = 3;
+    std::string order = "optimal";
+    std::string resolve = "stratified";
     bool limits_only = false;
     std::string out;
 };
@@ -29,6 +31,8 @@ AdaptiveAaParams base_params(const Options& o) {
     params.height = static_cast<std::uint32_t>(o.common.height);
     params.m = static_cast<std::uint32_t>(o.m);
     params.stall = static_cast<std::uint32_t>(o.stall);
+    params.order_kind = o.order == "optimal" ? SampleOrder::optimal : SampleOrder::paper;
+    params.resolve = o.resolve == "stratified" ? Resolve::stratified : Resolve::prefix;
     return params;
 }
 
@@ -72,6 +76,10 @@ int run(int argc, char** argv) {
     add("m", &o.m, "window width").range(2, 8);
     add("stall", &o.stall, "dependent multiply-adds per shaded sample").range(0, 500000);
     add("repeats", &o.repeats, "executions of each setting after one that warms up").range(1, 1000);
+    add("order", &o.order, "order of a window's samples, but for the paper's method")
+        .choices({"paper", "optimal"});
+    add("resolve", &o.resolve, "how samples become a pixel, but for the paper's method")
+        .choices({"prefix", "stratified"});
     add("limits-only", &o.limits_only, "only uniform counts and the limits computed from them");
     add("out", &o.out, "writes this .csv; without it the table is printed").transient();
     add_view_flags(params, o.common);

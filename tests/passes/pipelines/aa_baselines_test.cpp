@@ -81,5 +81,17 @@ TEST_F(AaBaselinesTest, MultisamplingShadesAllSamplesOfEdgesAndOneElsewhere) {
     EXPECT_EQ(image_error(picture, all).mse, 0.0);
 }
 
+TEST_F(AaBaselinesTest, OneSampleOfEachSurfaceIsEnoughForFlatColours) {
+    const LitScene lit(device(), fans());
+    AdaptiveAa aa = make(lit, AaMethod::cluster);
+    const Image picture = aa.picture(), all = make(lit, AaMethod::ssaa).picture();
+    const auto counts = aa.sample_counts();
+    EXPECT_LT(counts.mean, 1.5);
+    EXPECT_GT(counts.histogram[1], 500u) << "edges";
+    EXPECT_EQ(counts.histogram[4], 0u) << "four surfaces at most";
+    // Windows of more than four surfaces, where the fans meet, lump the rest together.
+    EXPECT_GT(image_error(picture, all).psnr, 45.0);
+}
+
 } // namespace
 } // namespace ockham::test
