@@ -27,6 +27,7 @@ public:
     void announce(const gpu::Device& device, const Executor& executor) const;
     /// Takes the GPU times of the execution that was just waited for.
     void add_times(const Executor& executor) { times_.add(executor.times()); }
+    void add_times(const std::vector<PassTime>& times) { times_.add(times); }
     const FrameTimes& times() const { return times_; }
 
     const std::string& command() const { return command_; }

@@ -161,48 +161,36 @@ std::vector<shader::LightData> light_table(const Scene& scene) {
 
 VertexLayout layout_of(const Scene& scene, const SceneFacts& facts) {
     VertexLayout layout;
-    const auto add = [&](std::uint32_t floats) {
-        layout.stride += floats;
-        return layout.stride - floats;
-    };
-    bool uv[2] = {false, false};
+    bool second = false;
     for (const Material& material : scene.materials) {
         for (const TextureUse* use :
             {&material.base_color_texture, &material.emissive_texture, &material.normal_texture,
                 &material.metallic_roughness_texture, &material.occlusion_texture}) {
-            if (use->used()) uv[use->uv_set == 0 ? 0 : 1] = true;
+            second = second || (use->used() && use->uv_set != 0);
         }
     }
-    if (facts.normal_maps) layout.tangent = add(4);
-    for (std::size_t i = 0; i < 2; ++i) {
-        if (uv[i]) layout.uv[i] = add(2);
-    }
-    if (facts.vertex_colors) layout.color = add(4);
+    if (facts.normal_maps) layout.tangent = layout.stride++;
+    if (second) layout.uv1 = layout.stride++;
+    if (facts.vertex_colors) layout.color = layout.stride++;
     return layout;
 }
 
 void append_vertices(
-    std::vector<float>& out, const Primitive& primitive, const VertexLayout& layout) {
-    const auto put = [](float* at, const auto& value) {
-        for (int i = 0; i < value.length(); ++i) at[i] = value[i];
+    std::vector<glm::vec4>& out, const Primitive& primitive, const VertexLayout& layout) {
+    const auto uv = [&](int set, std::size_t v) {
+        return primitive.uvs[set].empty() ? glm::vec2(0.0f) : primitive.uvs[set][v];
     };
     for (std::size_t v = 0; v < primitive.positions.size(); ++v) {
         const std::size_t base = out.size();
-        out.resize(base + layout.stride, 0.0f);
-        float* vertex = &out[base];
-        put(vertex, primitive.positions[v]);
-        put(vertex + layout.normal, primitive.normals[v]);
-        if (layout.tangent != kNone && !primitive.tangents.empty()) {
-            put(vertex + layout.tangent, primitive.tangents[v]);
-        }
-        for (std::size_t set = 0; set < 2; ++set) {
-            if (layout.uv[set] != kNone && !primitive.uvs[set].empty()) {
-                put(vertex + layout.uv[set], primitive.uvs[set][v]);
-            }
-        }
+        out.resize(base + layout.stride, glm::vec4(0.0f));
+        glm::vec4* vertex = &out[base];
+        vertex[0] = glm::vec4(primitive.positions[v], uv(0, v).x);
+        vertex[1] = glm::vec4(primitive.normals[v], uv(0, v).y);
+        if (layout.tangent != kNone && !primitive.tangents.empty())
+            vertex[layout.tangent] = primitive.tangents[v];
+        if (layout.uv1 != kNone) vertex[layout.uv1] = glm::vec4(uv(1, v), 0.0f, 0.0f);
         if (layout.color != kNone) {
-            put(vertex + layout.color,
-                primitive.colors.empty() ? glm::vec4(1.0f) : primitive.colors[v]);
+            vertex[layout.color] = primitive.colors.empty() ? glm::vec4(1.0f) : primitive.colors[v];
         }
     }
 }
@@ -301,7 +289,7 @@ SceneGpu::SceneGpu(gpu::Device& device, const Scene& scene)
             scene.materials.size(), kMaxMaterials);
     }
     const InstanceGroups instances = group_instances(scene);
-    std::vector<float> vertices;
+    std::vector<glm::vec4> vertices;
     std::vector<std::uint32_t> indices;
     std::vector<shader::TriangleBlock> blocks(1); // ids start in the second
     std::vector<bool> material_used(scene.materials.size(), false);

@@ -28,12 +28,12 @@ struct Draw {
     bool mirrored = false; ///< the instances' transforms turn front faces clockwise
 };
 
-/// Where attributes stand in a vertex, in floats; kNone = the scene has none.
+/// A vertex is a row of vec4s: (position, u), (normal, v), then what the scene has of the others,
+/// one vec4 each; kNone: it has none.
 struct VertexLayout {
-    std::uint32_t stride = 6;
-    std::uint32_t normal = 3;
+    std::uint32_t stride = 2; ///< vec4s
     std::uint32_t tangent = kNone;
-    std::array<std::uint32_t, 2> uv{kNone, kNone};
+    std::uint32_t uv1 = kNone;
     std::uint32_t color = kNone;
 };
 

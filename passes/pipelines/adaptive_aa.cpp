@@ -2,6 +2,8 @@
 #include "passes/pipelines/adaptive_aa.hpp"
 
 #include "framework/core/error.hpp"
+#include "framework/core/log.hpp"
+#include "framework/runtime/planning.hpp"
 #include "passes/debug/surface_aov.hpp"
 #include "passes/pipelines/aa_baselines.hpp"
 #include "passes/post/taa.hpp"
@@ -298,8 +300,9 @@ AdaptiveAaOutputs add_adaptive_aa(
         {.width = params.width,
             .height = params.height,
             .m = params.m,
-            .layout = params.gbuffer,
-            .slopes = !clusters_reason(params).empty()},
+            .layout = params.gbuffer.value_or(GbufferLayout::packed),
+            .slopes = !clusters_reason(params).empty(),
+            .tile = params.view},
         max_extent);
     const ShadingParams shading{.width = params.width,
         .height = params.height,
@@ -334,14 +337,60 @@ AdaptiveAaOutputs add_adaptive_aa(
     return out;
 }
 
+namespace {
+
+/// Pixels around each pixel that decide about it.
+constexpr std::uint32_t kApron = 1;
+
+/// Pixels that stay in one tile: the blocks of --k-filter, and the quads of 2 x 2 samples over
+/// which alpha tests take derivatives.
+std::uint32_t block_of(const AdaptiveAaParams& params) {
+    return std::lcm(params.count_block, params.m % 2 == 0 ? 1u : 2u);
+}
+
+std::uint32_t apron_of(const AdaptiveAaParams& params) {
+    const std::uint32_t block = block_of(params);
+    return (kApron + block - 1) / block * block;
+}
+
+bool keeps_history(const AdaptiveAaParams& params) {
+    return params.history && params.method == AaMethod::adaptive &&
+           params.metric == MetricKind::ockham;
+}
+
+/// Why the picture cannot be put together of tiles; empty: it can.
+std::string whole_picture_reason(const AdaptiveAaParams& params) {
+    if (filters_picture(params.method)) return "its --method looks farther around than one pixel";
+    if (params.method == AaMethod::taa) return "--method taa keeps pictures of earlier frames";
+    if (keeps_history(params)) return "--history keeps variances of earlier frames";
+    if (params.budget >= 0)
+        return "--budget shares samples out over all pixels at once; use --lambda";
+    if (!params.captures.empty()) return "--capture would show one tile";
+    return "";
+}
+
+double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
+} // namespace
+
 AdaptiveAa::AdaptiveAa(
     gpu::Device& device, const LitScene& lit, const Camera& camera, const AdaptiveAaParams& params)
-    : lit_(&lit), params_(settled(params)) {
+    : lit_(&lit), params_(settled(params)), max_extent_(device.limits().attachment_extent) {
     if (needs_counts(params_) && params_.dispatch == Dispatch::stencil &&
         !device.exports_stencil()) {
         fail_device("--dispatch stencil needs VK_EXT_shader_stencil_export, which '{}' lacks; "
                     "--dispatch depth does the same without it",
             device.info().name);
+    }
+    fit_ = choose_fit(device);
+    const glm::uvec2 picture(params_.width, params_.height);
+    tiles_ = place_tiles(picture, fit_.tile, apron_of(params_), block_of(params_));
+    if (tiles_.size() > 1) view_ = std::make_unique<ScreenTile>();
+    if (!fit_.reason.empty()) {
+        log::warning("{}: {}", fit_.reason,
+            view_ ? fmt::format("drawn in {} tiles of {} x {} pixels, --gbuffer visibility",
+                        tiles_.size(), fit_.tile.x, fit_.tile.y)
+                  : "--gbuffer visibility instead");
     }
     constexpr std::uint64_t kBytes = sizeof(shader::FrameData);
     frame_ = std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = kBytes,
@@ -349,58 +398,179 @@ AdaptiveAa::AdaptiveAa(
                                                        .name = "frame",
                                                        .memory = gpu::MemoryUse::upload});
     set_camera(camera);
-    const bool history = params_.history && params_.method == AaMethod::adaptive &&
-                         params_.metric == MetricKind::ockham;
-
-    Graph graph("adaptive_aa");
-    ShadingInputs in;
-    in.scene.scene = &lit.gpu();
-    in.scene.handles = lit.gpu().import(graph);
-    in.scene.frame = graph.import_buffer("frame", {kBytes}, {});
-    if (history) {
+    if (keeps_history(params_)) {
         frame_before_ =
             std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = kBytes,
                                                       .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                                       .name = "frame_before",
                                                       .memory = gpu::MemoryUse::upload});
         std::memcpy(frame_before_->mapped().data(), frame_->mapped().data(), kBytes);
-        in.frame_before = graph.import_buffer("frame_before", {kBytes}, {});
     }
-    if (const gpu::Image* map = lit.shadow_map()) {
-        in.shadow_map = graph.import_image("shadow_map",
+    Declared declared = declare(fit_);
+    outputs_ = declared.outputs;
+    kept_ = {outputs_.radiance};
+    if (params_.aov || params_.export_counts) kept_.push_back(outputs_.sample_count);
+    if (params_.aov) {
+        kept_.insert(kept_.end(),
+            {outputs_.first_sample, outputs_.winner, outputs_.aov_surface, outputs_.aov_material});
+    }
+    std::erase_if(kept_, [](ImageHandle image) { return !image; });
+    Policy policy;
+    const std::uint64_t budget = device.allocator().budget_bytes();
+    const std::uint64_t used = device.allocator().bytes_used();
+    if (budget > 0) policy.memory_budget_bytes = budget > used ? budget - used : 1;
+    executor_ = std::make_unique<Executor>(device, std::move(declared.graph), policy);
+    lit.gpu().bind(*executor_, declared.in.scene.handles);
+    executor_->bind(declared.in.scene.frame, *frame_);
+    if (frame_before_) executor_->bind(declared.in.frame_before, *frame_before_);
+    if (declared.in.shadow_map) executor_->bind(declared.in.shadow_map, *lit.shadow_map());
+}
+
+AdaptiveAa::Declared AdaptiveAa::declare(const Fit& fit) const {
+    Declared out;
+    out.in.scene.scene = &lit_->gpu();
+    out.in.scene.handles = lit_->gpu().import(out.graph);
+    out.in.scene.frame = out.graph.import_buffer("frame", {sizeof(shader::FrameData)}, {});
+    if (keeps_history(params_))
+        out.in.frame_before =
+            out.graph.import_buffer("frame_before", {sizeof(shader::FrameData)}, {});
+    if (const gpu::Image* map = lit_->shadow_map()) {
+        out.in.shadow_map = out.graph.import_image("shadow_map",
             {.format = map->info().format,
                 .width = map->info().width,
                 .height = map->info().height},
             state_of(Access::sampled, Stage::compute));
     }
-    outputs_ = add_adaptive_aa(graph, in, params_, device.limits().attachment_extent);
-    Policy policy;
+    AdaptiveAaParams part = params_;
+    part.width = fit.tile.x;
+    part.height = fit.tile.y;
+    part.gbuffer = fit.layout;
+    part.view = view_.get();
+    out.outputs = add_adaptive_aa(out.graph, out.in, part, max_extent_);
+    return out;
+}
+
+AdaptiveAa::Fit AdaptiveAa::choose_fit(gpu::Device& device) const {
+    const glm::uvec2 picture(params_.width, params_.height);
+    if (params_.gbuffer == GbufferLayout::packed) return {GbufferLayout::packed, picture, {}};
+    const bool cut = params_.tile.x > 0; // on request
+    std::string reason;
+    if (!params_.gbuffer && !cut) {
+        reason = obstacle(device, {GbufferLayout::packed, picture, {}});
+        if (reason.empty()) return {GbufferLayout::packed, picture, {}};
+    }
+    glm::uvec2 most = cut ? params_.tile : picture;
+    most = glm::min(most, glm::uvec2(max_extent_ / params_.m));
+    for (;;) {
+        Fit fit{GbufferLayout::visibility, {}, reason};
+        for (int axis = 0; axis < 2; ++axis) {
+            fit.tile[axis] =
+                tile_extent(picture[axis], most[axis], apron_of(params_), block_of(params_));
+        }
+        const std::string whole = whole_picture_reason(params_);
+        if (fit.tile != picture && !whole.empty())
+            fail_device("{}: screen tiles cannot help, for {}", reason, whole);
+        if (fit.tile.x == 0 || fit.tile.y == 0)
+            fail_device("{}: not even {} x {} pixels fit", reason, most.x, most.y);
+        const std::string why = obstacle(device, fit);
+        if (why.empty()) return fit;
+        if (reason.empty()) reason = why;
+        const int longer = fit.tile.x >= fit.tile.y ? 0 : 1;
+        most = fit.tile;
+        most[longer] = (most[longer] + 1) / 2;
+    }
+}
+
+/// Why the G-buffer does not fit so; empty: it does.
+std::string AdaptiveAa::obstacle(gpu::Device& device, const Fit& fit) const {
+    const glm::uvec2 samples = params_.m * fit.tile;
+    if (samples.x > max_extent_ || samples.y > max_extent_) {
+        return fmt::format("{} x {} samples exceed the {} a side of this device", samples.x,
+            samples.y, max_extent_);
+    }
     const std::uint64_t budget = device.allocator().budget_bytes();
     const std::uint64_t used = device.allocator().bytes_used();
-    if (budget > 0) policy.memory_budget_bytes = budget > used ? budget - used : 1;
-    executor_ = std::make_unique<Executor>(device, std::move(graph), policy);
-    lit.gpu().bind(*executor_, in.scene.handles);
-    executor_->bind(in.scene.frame, *frame_);
-    if (history) executor_->bind(in.frame_before, *frame_before_);
-    if (in.shadow_map) executor_->bind(in.shadow_map, *lit.shadow_map());
+    const std::uint64_t free = budget > used ? budget - used : 0;
+    Declared declared = declare(fit);
+    const Plan plan = make_plan(device, declared.graph);
+    const char* layout = fit.layout == GbufferLayout::packed ? "packed" : "visibility";
+    if (budget > 0 && plan.bytes_peak > free) {
+        return fmt::format("--gbuffer {}: {} x {} samples need {:.1f} MiB, of the memory budget "
+                           "{:.1f} MiB are free",
+            layout, samples.x, samples.y, mib(plan.bytes_peak), mib(free));
+    }
+    const std::uint64_t most = device.limits().allocation_bytes;
+    for (const Heap& heap : plan.heaps) {
+        if (heap.bytes > most) {
+            return fmt::format("--gbuffer {}: {} x {} samples need {:.1f} MiB in one piece, this "
+                               "device gives {:.1f}",
+                layout, samples.x, samples.y, mib(heap.bytes), mib(most));
+        }
+    }
+    return "";
 }
 
 void AdaptiveAa::set_camera(const Camera& camera) {
-    view_ = make_frame(lit_->scene(), lit_->gpu().bounds(), camera, static_cast<int>(params_.width),
-        static_cast<int>(params_.height), static_cast<int>(params_.m), params_.order,
-        LitScene::kShadowMapSize);
-    std::memcpy(frame_->mapped().data(), &view_, sizeof(view_));
+    whole_ = make_frame(lit_->scene(), lit_->gpu().bounds(), camera,
+        static_cast<int>(params_.width), static_cast<int>(params_.height),
+        static_cast<int>(params_.m), params_.order, LitScene::kShadowMapSize);
+    aim(tiles_.front());
+}
+
+void AdaptiveAa::aim(const TilePlacement& tile) {
+    shader::FrameData frame = whole_;
+    if (params_.method == AaMethod::taa) set_jitter(frame, taa_jitter(executed_));
+    if (view_) {
+        frame.size = fit_.tile;
+        frame.origin = tile.origin;
+        *view_ = {tile.origin, frame.picture};
+        // Viewports have limits too. Past them, the tile alone is projected; no driver can render
+        // such a picture whole, so that nothing need equal it.
+        if (std::max(frame.picture.x, frame.picture.y) * params_.m > max_extent_) {
+            const glm::vec2 picture(frame.picture), size(frame.size), origin(frame.origin);
+            glm::mat4 window(1.0f);
+            for (int axis = 0; axis < 2; ++axis) {
+                window[axis][axis] = picture[axis] / size[axis];
+                window[3][axis] = (picture[axis] - 2.0f * origin[axis] - size[axis]) / size[axis];
+            }
+            frame.view_projection = window * frame.view_projection;
+            *view_ = {{}, frame.size};
+        }
+    }
+    std::memcpy(frame_->mapped().data(), &frame, sizeof(frame));
 }
 
 void AdaptiveAa::execute() {
-    if (params_.method == AaMethod::taa) {
-        shader::FrameData frame = view_;
-        set_jitter(frame, taa_jitter(executed_));
-        std::memcpy(frame_->mapped().data(), &frame, sizeof(frame));
+    if (!view_) {
+        aim(tiles_.front());
+        executor_->execute();
+        ++executed_;
+        if (frame_before_) std::memcpy(frame_before_->mapped().data(), &whole_, sizeof(whole_));
+        return;
     }
-    executor_->execute();
-    ++executed_;
-    if (frame_before_) std::memcpy(frame_before_->mapped().data(), &view_, sizeof(view_));
+    times_.clear();
+    for (const TilePlacement& tile : tiles_) {
+        aim(tile);
+        executor_->execute();
+        const std::vector<PassTime>& times = executor_->times();
+        if (times_.empty()) {
+            times_ = times;
+        } else {
+            for (std::size_t i = 0; i < times.size(); ++i)
+                times_[i].milliseconds += times[i].milliseconds;
+        }
+        for (const ImageHandle image : kept_) {
+            paste_tile(pictures_[image.resource], executor_->read(image), tile,
+                {params_.width, params_.height}, 1);
+        }
+    }
+}
+
+Image AdaptiveAa::read(ImageHandle image) {
+    if (!view_) return executor_->read(image);
+    const auto found = pictures_.find(image.resource);
+    check(found != pictures_.end(), "only outputs are put together of tiles");
+    return found->second;
 }
 
 AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {
@@ -419,7 +589,7 @@ AdaptiveAa::SampleCounts AdaptiveAa::sample_counts(std::uint32_t lanes) {
     }
     check(bool(outputs_.sample_count) && (params_.export_counts || params_.aov),
         "counts were not exported");
-    const Image map = executor_->read(outputs_.sample_count);
+    const Image map = read(outputs_.sample_count);
     const std::span<const float> k = map.plane(0);
     std::uint64_t sum = 0;
     for (const float value : k) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "passes/pipelines/lit_scene.hpp"
+#include "passes/pipelines/screen_tiles.hpp"
 #include "passes/schedule/dispatch.hpp"
 #include "passes/surface/allocate.hpp"
 #include "passes/surface/frame.hpp"
@@ -13,7 +14,9 @@
 #include "passes/surface/sample_order.hpp"
 #include "passes/surface/shading_inputs.hpp"
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -59,12 +62,14 @@ struct AdaptiveAaParams {
     float lambda = kDefaultLambda; ///< ockham only: price of a sample, 0 ... infinity
     bool history = false;          ///< ockham only, the camera moves: counts fall little by little
     float budget = -1; ///< ockham only: percent of all samples, 100 / n ... 100; < 0: by lambda
-    GbufferLayout gbuffer = GbufferLayout::packed;
-    std::uint32_t stall = 0;           ///< dependent FMAs per shaded sample
-    std::uint32_t anisotropy = 16;     ///< 1 ... 16
-    bool aov = false;                  ///< export k, winner, S, depth, normal, material too
-    bool export_counts = false;        ///< export k
-    std::vector<std::string> captures; ///< names of further images to export
+    std::optional<GbufferLayout> gbuffer; ///< empty: packed if it fits, else visibility
+    glm::uvec2 tile{0};                   ///< largest screen tile, pixels; 0: as much as fits
+    const ScreenTile* view = nullptr;     ///< of the G-buffer; AdaptiveAa's own
+    std::uint32_t stall = 0;              ///< dependent FMAs per shaded sample
+    std::uint32_t anisotropy = 16;        ///< 1 ... 16
+    bool aov = false;                     ///< export k, winner, S, depth, normal, material too
+    bool export_counts = false;           ///< export k
+    std::vector<std::string> captures;    ///< names of further images to export
 };
 
 /// True for the passes that shading_gpu_ms adds up: first_sample, metrics, buckets, shade, resolve.
@@ -88,13 +93,28 @@ public:
     AdaptiveAa(gpu::Device& device, const LitScene& scene, const Camera& camera,
         const AdaptiveAaParams& params);
 
+    /// The whole picture: one execution of the graph for each screen tile.
     void execute();
     /// Looks from elsewhere from the next execution on. The plan stays as it is.
     void set_camera(const Camera& camera);
     const AdaptiveAaOutputs& outputs() const { return outputs_; }
     Executor& executor() { return *executor_; }
     /// R, G, B (linear radiance) and A of the last execution.
-    Image picture() { return executor_->read(outputs_.radiance); }
+    Image picture() { return read(outputs_.radiance); }
+    /// One of the outputs but captures, of the whole picture.
+    Image read(ImageHandle image);
+    /// GPU times of the last execution's passes, summed over the tiles.
+    const std::vector<PassTime>& times() const { return view_ ? times_ : executor_->times(); }
+
+    /// How the picture came to fit.
+    struct Fit {
+        GbufferLayout layout = GbufferLayout::packed;
+        glm::uvec2 tile{0}; ///< pixels, apron included; the picture's own size if there is one
+        std::string reason; ///< why not packed and whole; empty: it is, or was asked for
+    };
+    const Fit& fit() const { return fit_; }
+    /// Screen tiles of an execution.
+    std::size_t tile_count() const { return tiles_.size(); }
     /// Samples that pixels took in all, and how often each count occurred: histogram[k - 1].
     struct SampleCounts {
         double percent = 0; ///< of all m * m samples, each pixel's first included
@@ -112,10 +132,28 @@ private:
     const LitScene* lit_;
     AdaptiveAaParams params_;
     AdaptiveAaOutputs outputs_;
-    shader::FrameData view_{};                          ///< before any jitter
+    std::uint32_t max_extent_; ///< of attachments and viewports
+    Fit fit_;
+    std::vector<TilePlacement> tiles_;
+    std::unique_ptr<ScreenTile> view_;                  ///< null: one tile, the whole picture
+    shader::FrameData whole_{};                         ///< of the whole picture, before any jitter
     std::uint32_t executed_ = 0;                        ///< frames so far
     std::unique_ptr<gpu::Buffer> frame_, frame_before_; ///< before: with history only
     std::unique_ptr<Executor> executor_;
+    std::vector<ImageHandle> kept_;        ///< exported
+    std::map<ResourceId, Image> pictures_; ///< assembled, where there are several tiles
+    std::vector<PassTime> times_;
+
+    struct Declared {
+        Graph graph{"adaptive_aa"};
+        ShadingInputs in;
+        AdaptiveAaOutputs outputs;
+    };
+    Declared declare(const Fit& fit) const;
+    Fit choose_fit(gpu::Device& device) const;
+    std::string obstacle(gpu::Device& device, const Fit& fit) const;
+    /// What the next execution of the graph shows.
+    void aim(const TilePlacement& tile);
 };
 
 } // namespace ockham

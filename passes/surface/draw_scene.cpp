@@ -49,9 +49,8 @@ void read_triangles(PassBuilder& pass, const SceneInputs& in) {
 }
 
 Specialization vertex_specialization(const VertexLayout& layout) {
-    return {{SPEC_VERTEX_STRIDE, layout.stride}, {SPEC_NORMAL_OFFSET, layout.normal},
-        {SPEC_TANGENT_OFFSET, layout.tangent}, {SPEC_UV0_OFFSET, layout.uv[0]},
-        {SPEC_UV1_OFFSET, layout.uv[1]}, {SPEC_COLOR_OFFSET, layout.color}};
+    return {{SPEC_VERTEX_STRIDE, layout.stride}, {SPEC_TANGENT_OFFSET, layout.tangent},
+        {SPEC_UV1_OFFSET, layout.uv1}, {SPEC_COLOR_OFFSET, layout.color}};
 }
 
 void record_draws(Commands& commands, const SceneInputs& in, const RasterCall& opaque,
@@ -68,7 +67,7 @@ void record_draws(Commands& commands, const SceneInputs& in, const RasterCall& o
 }
 
 void record_triangle_draws(Commands& commands, const SceneInputs& in, const RasterCall& opaque,
-    const RasterCall& masked, glm::vec2 snap) {
+    const RasterCall& masked, glm::vec2 steps) {
     for_each_draw(
         commands, in, opaque, masked, Sides::front, [] {},
         [&](const Draw& draw) {
@@ -78,7 +77,7 @@ void record_triangle_draws(Commands& commands, const SceneInputs& in, const Rast
                 .first_instance = draw.first_instance,
                 .first_triangle = draw.first_block * TRIANGLES_PER_BLOCK,
                 .triangles_per_instance = draw.blocks_per_instance * TRIANGLES_PER_BLOCK,
-                .snap = snap}));
+                .steps = steps}));
             commands.draw(
                 draw.index_count, draw.instance_count, draw.first_index, draw.first_instance);
         });

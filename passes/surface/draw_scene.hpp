@@ -29,6 +29,6 @@ void record_draws(Commands& commands, const SceneInputs& in, const RasterCall& o
 /// The same without an index buffer, three vertices a triangle, for
 /// shaders/surface/visibility.vert. `snap`: shader::VisibilityPush.
 void record_triangle_draws(Commands& commands, const SceneInputs& in, const RasterCall& opaque,
-    const RasterCall& masked, glm::vec2 snap);
+    const RasterCall& masked, glm::vec2 steps);
 
 } // namespace ockham

@@ -2,6 +2,7 @@
 #include "passes/surface/gbuffer.hpp"
 
 #include "framework/core/error.hpp"
+#include "framework/graph/format.hpp"
 #include "passes/shader_variant.hpp"
 #include "shaders/surface/gbuffer.h"
 
@@ -9,6 +10,10 @@ namespace ockham {
 namespace {
 
 constexpr std::uint32_t kMaxBlocks = 1u << (32 - TRIANGLE_BLOCK_BITS);
+
+ScreenTile viewport_of(const GbufferParams& params) {
+    return params.tile ? *params.tile : ScreenTile{{}, {params.width, params.height}};
+}
 
 void set_viewport(Commands& commands, const GbufferParams& params) {
     if (!params.tile) return;
@@ -75,7 +80,7 @@ void record_visibility(PassBuilder& pass, const SceneInputs& in, const GbufferPa
             {.vertex_shader = "surface/visibility.vert:masked",
                 .fragment_shader = masked,
                 .specialization = vertices},
-            {});
+            128.0f * glm::vec2(params.m * viewport_of(params).picture));
     });
 }
 
@@ -91,7 +96,8 @@ Gbuffer add_gbuffer(
             "most {} per side: use a smaller picture or m",
             params.width, params.height, params.m, width, height, max_extent);
     }
-    const bool packed = params.layout == GbufferLayout::packed;
+    // Of an empty scene only depth is ever read.
+    const bool packed = params.layout == GbufferLayout::packed || in.scene->draws().empty();
     const auto create = [&](const char* name, VkFormat format) {
         return graph.create_image(name, {.format = format, .width = width, .height = height});
     };
@@ -100,7 +106,7 @@ Gbuffer add_gbuffer(
         .depth = create("gbuffer.depth", VK_FORMAT_D32_SFLOAT),
         .extra = {},
         .slopes = {},
-        .layout = params.layout,
+        .layout = packed ? GbufferLayout::packed : GbufferLayout::visibility,
         .scene = packed ? SceneInputs{} : in,
     };
     if (packed && facts.extra_target()) {
@@ -113,8 +119,9 @@ Gbuffer add_gbuffer(
     if (packed && params.slopes) out.slopes = create("gbuffer.slopes", VK_FORMAT_R32_UINT);
 
     PassBuilder pass = graph.add_raster_pass("gbuffer");
-    pass.because(fmt::format("{} triangles seen at {} x {} samples per pixel, {}", facts.triangles,
-        params.m, params.m, packed ? "packed" : "as ids"));
+    pass.because(fmt::format(
+        "{} triangles seen at {} x {} samples per pixel, {}: {} bytes a sample", facts.triangles,
+        params.m, params.m, packed ? "packed" : "as ids", gbuffer_bytes_per_sample(graph)));
     if (packed) {
         // What depth marks as background is never read, so only depth is cleared.
         out.surface = pass.color(out.surface, LoadOp::discard);
@@ -135,10 +142,13 @@ Gbuffer add_gbuffer(
     return out;
 }
 
-std::uint64_t gbuffer_bytes(
-    const SceneFacts& facts, GbufferLayout layout, bool slopes, std::uint64_t samples) {
-    if (layout == GbufferLayout::visibility) return 8 * samples;
-    return (20 + (facts.extra_target() ? 16 : 0) + (slopes ? 4 : 0)) * samples;
+std::uint32_t gbuffer_bytes_per_sample(const Graph& graph) {
+    std::uint32_t bytes = 0;
+    for (const char* name : {"gbuffer", "gbuffer.depth", "gbuffer.extra", "gbuffer.slopes"}) {
+        const ImageHandle image = graph.find_image(name);
+        if (image) bytes += texel_bytes(graph.desc(image).format);
+    }
+    return bytes;
 }
 
 void read_gbuffer(PassBuilder& pass, const Gbuffer& gbuffer, Stage stage) {

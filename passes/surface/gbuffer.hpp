@@ -44,9 +44,8 @@ struct Gbuffer {
 Gbuffer add_gbuffer(
     Graph& graph, const SceneInputs& in, const GbufferParams& params, std::uint32_t max_extent);
 
-/// Bytes of the images for `samples` samples: while it is drawn.
-std::uint64_t gbuffer_bytes(
-    const SceneFacts& facts, GbufferLayout layout, bool slopes, std::uint64_t samples);
+/// Bytes of a sample while it is drawn.
+std::uint32_t gbuffer_bytes_per_sample(const Graph& graph);
 
 /// Declares what shaders/surface/surface_sample.glsl reads.
 void read_gbuffer(PassBuilder& pass, const Gbuffer& gbuffer, Stage stage = Stage::compute);

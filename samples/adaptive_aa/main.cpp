@@ -40,7 +40,8 @@ struct Options {
     std::string dispatch = "buckets";
     std::string k_levels = "all", k_filter;
     std::string resolve = kByPreset;
-    std::string gbuffer = "packed";
+    std::string gbuffer = "auto";
+    int tile = 0;
     float depth_weight = -1, normal_weight = -1, shading_weight = -1; ///< < 0: by the window
     MetricsParams metrics;
     int stall = 0;
@@ -102,7 +103,11 @@ void declare(Params& params, Options& o) {
     add("resolve", &o.resolve,
         "which samples make a pixel: the first k in order, or k shared out among its surfaces")
         .choices({kByPreset, "prefix", "stratified"});
-    add("gbuffer", &o.gbuffer, "layout of the G-buffer").choices({"packed", "visibility"});
+    add("gbuffer", &o.gbuffer, "layout of the G-buffer; auto: packed where it fits")
+        .choices({"auto", "packed", "visibility"});
+    add("tile", &o.tile, "side of the largest screen tile; 0: the picture, or as much as fits")
+        .range(0, 16384)
+        .unit("pixels");
     add("anisotropy", &o.anisotropy, "most texture taps per lookup").range(1, 16);
     add("stall", &o.stall,
         "dependent multiply-adds per shaded sample, in sixteens: stands in for costly shading")
@@ -156,7 +161,9 @@ AdaptiveAaParams picture_params(const Options& o, bool moving) {
     }
     p.powers_of_two = o.k_levels == "pow2";
     p.count_block = parse_k_filter(o.k_filter);
-    p.gbuffer = o.gbuffer == "visibility" ? GbufferLayout::visibility : GbufferLayout::packed;
+    if (o.gbuffer == "packed") p.gbuffer = GbufferLayout::packed;
+    if (o.gbuffer == "visibility") p.gbuffer = GbufferLayout::visibility;
+    p.tile = glm::uvec2(static_cast<std::uint32_t>(o.tile));
     p.metric =
         choose(o, o.metric, "ockham", "paper") == "ockham" ? MetricKind::ockham : MetricKind::paper;
     const std::string order = choose(o, o.order, "optimal", "paper");
@@ -192,17 +199,16 @@ Image collect_picture(AdaptiveAa& aa, const Options& o) {
     Image picture = aa.picture();
     if (!o.aov) return picture;
     const AdaptiveAaOutputs& out = aa.outputs();
-    Executor& executor = aa.executor();
-    if (out.sample_count) add_layer(picture, executor.read(out.sample_count), 0, "k");
-    if (out.winner) add_layer(picture, executor.read(out.winner), 0, "winner");
+    if (out.sample_count) add_layer(picture, aa.read(out.sample_count), 0, "k");
+    if (out.winner) add_layer(picture, aa.read(out.winner), 0, "winner");
     if (out.first_sample) {
-        const Image s = executor.read(out.first_sample);
+        const Image s = aa.read(out.first_sample);
         for (int c = 0; c < 3; ++c) add_layer(picture, s, c, fmt::format("S.{}", "RGB"[c]));
     }
-    const Image surface = executor.read(out.aov_surface);
+    const Image surface = aa.read(out.aov_surface);
     for (int c = 0; c < 3; ++c) add_layer(picture, surface, c, fmt::format("normal.{}", "XYZ"[c]));
     add_layer(picture, surface, 3, "depth");
-    add_layer(picture, executor.read(out.aov_material), 0, "material");
+    add_layer(picture, aa.read(out.aov_material), 0, "material");
     return picture;
 }
 
@@ -219,7 +225,7 @@ public:
             flicker_.add(picture, *reference);
         }
         if (const ImageHandle map = aa.outputs().sample_count) {
-            Image counts = aa.executor().read(map);
+            Image counts = aa.read(map);
             if (!counts_.empty())
                 frame["counts_changed"] = share_changed(counts_.plane(0), counts.plane(0), 2.0f);
             counts_ = std::move(counts);
@@ -258,6 +264,14 @@ void print_summary(const FrameTimes& times, const AdaptiveAa::SampleCounts& coun
         times.total_of(is_shading_pass), times.frames());
     fmt::print("samples {:9.2f} %, {:.2f} per pixel\n", counts.percent, counts.mean);
     if (error) print_error(*error);
+}
+
+nlohmann::ordered_json gbuffer_json(AdaptiveAa& aa) {
+    const AdaptiveAa::Fit& fit = aa.fit();
+    return {{"layout", fit.layout == GbufferLayout::packed ? "packed" : "visibility"},
+        {"bytes_per_sample", gbuffer_bytes_per_sample(aa.executor().graph())},
+        {"tiles", aa.tile_count()}, {"tile_width", fit.tile.x}, {"tile_height", fit.tile.y},
+        {"reason", fit.reason}};
 }
 
 void check_pictures(const CommonOptions& o, std::size_t pictures) {
@@ -307,7 +321,7 @@ int render(int argc, char** argv) {
         reload_shaders(device);
         if (moving) aa.set_camera(cameras[frame]);
         aa.execute();
-        if (!moving || frame > 0) run.add_times(aa.executor()); // the first compiles kernels
+        if (!moving || frame > 0) run.add_times(aa.times()); // the first compiles kernels
         progress.update(frame + 1);
         if (!moving && frame + 1 < frames) continue;
         picture = collect_picture(aa, o);
@@ -326,6 +340,7 @@ int render(int argc, char** argv) {
             {{"percent", counts.percent}, {"mean_k", counts.mean}, {"histogram", counts.histogram},
                 {"lane_efficiency", counts.lane_efficiency},
                 {"shaded_percent", counts.shaded_percent}}}};
+    more["gbuffer"] = gbuffer_json(aa);
     if (moving) {
         sequence.print();
         more["sequence"] = sequence.to_json();

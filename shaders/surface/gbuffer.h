@@ -20,7 +20,7 @@ struct VisibilityPush {
     uint first_instance;
     uint first_triangle;         ///< id of the first instance's first triangle
     uint triangles_per_instance; ///< ids from one instance to the next
-    vec2 snap;                   ///< steps of the rasteriser's grid across half the picture
+    vec2 steps;                  ///< of 1/256 sample across half the viewport
 };
 
 // A triangle's id is the block it is in, and its number there. Block 0 holds none.
@@ -28,15 +28,14 @@ struct VisibilityPush {
 #define TRIANGLES_PER_BLOCK (1u << TRIANGLE_BLOCK_BITS)
 #define NO_TRIANGLE 0u // background
 
-// Specialisation: floats from one vertex to the next, and where in it each attribute starts
+// Specialisation: vec4s from one vertex to the next, and which of them holds an attribute
 // (ATTRIBUTE_ABSENT: the scene has none). Numbers apart from those of shade.h: kernels that shade
 // from the visibility layout have both.
 #define SPEC_VERTEX_STRIDE 16
-#define SPEC_NORMAL_OFFSET 17
-#define SPEC_TANGENT_OFFSET 18
-#define SPEC_UV0_OFFSET 19
-#define SPEC_UV1_OFFSET 20
-#define SPEC_COLOR_OFFSET 21
+#define SPEC_TANGENT_OFFSET 17
+#define SPEC_UV1_OFFSET 18
+#define SPEC_COLOR_OFFSET 19
+#define ATTRIBUTE_ABSENT 0xffffffffu
 #define SPEC_NORMAL_MAPS 22          // bool: a material has one
 #define SPEC_SHADING_DATA_TEXTURES 23 // bool: ... a metallic-roughness or occlusion image
 #define SPEC_SECOND_COORDINATES 24   // bool: ... images with two different sets of coordinates

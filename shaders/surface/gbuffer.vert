@@ -18,10 +18,11 @@ layout(location = 4) out vec4 out_color;
 void main() {
     InstanceData instance = instances.items[gl_InstanceIndex];
     uint base = uint(gl_VertexIndex) * kVertexStride;
-    gl_Position = frame.data.view_projection * vec4(to_world(instance, vertex_vec3(base)), 1.0);
-    out_normal = vertex_normal(instance, base);
-    out_tangent = vertex_tangent(instance, base);
-    out_uv0 = vertex_uv(base, 0);
-    out_uv1 = vertex_uv(base, 1);
-    out_color = vertex_color(base);
+    Vertex vertex = fetch_vertex(base);
+    gl_Position = frame.data.view_projection * vec4(to_world(instance, vertex.position), 1.0);
+    out_normal = normalize(to_world_normal(instance, vertex.normal));
+    out_tangent = fetch_tangent(instance, base);
+    out_uv0 = vertex.uv0;
+    out_uv1 = fetch_uv1(base);
+    out_color = fetch_color(base);
 }

@@ -60,7 +60,7 @@ vec4 lookup(sampler2DArray image, TextureRef texture_ref, SurfaceSample s, vec2 
 /// How far a sample may lie off its surface, world units: rasterisers move corners to a grid, which
 /// Vulkan wants no coarser than 1/16 sample, and interpolate depth from there.
 float surface_error(float depth) {
-    float sample_size = 2.0 * length(frame.data.up) / float(frame.data.size.y * frame.data.m);
+    float sample_size = 2.0 * length(frame.data.up) / float(frame.data.picture.y * frame.data.m);
     return (frame.data.orthographic != 0u ? 1.0 : depth) * sample_size / 16.0;
 }
 

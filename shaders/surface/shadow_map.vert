@@ -17,8 +17,9 @@ layout(location = 2) out float out_alpha;
 void main() {
     InstanceData instance = instances.items[gl_InstanceIndex];
     uint base = uint(gl_VertexIndex) * kVertexStride;
-    gl_Position = frame.data.sun_projection * vec4(to_world(instance, vertex_vec3(base)), 1.0);
-    out_uv0 = vertex_uv(base, 0);
-    out_uv1 = vertex_uv(base, 1);
-    out_alpha = vertex_color(base).a;
+    Vertex vertex = fetch_vertex(base);
+    gl_Position = frame.data.sun_projection * vec4(to_world(instance, vertex.position), 1.0);
+    out_uv0 = vertex.uv0;
+    out_uv1 = fetch_uv1(base);
+    out_alpha = fetch_color(base).a;
 }

@@ -5,19 +5,34 @@
 #include "shared/scene.h"
 #include "surface/gbuffer.h"
 
-layout(constant_id = SPEC_VERTEX_STRIDE) const uint kVertexStride = 6;
-layout(constant_id = SPEC_NORMAL_OFFSET) const uint kNormalOffset = 3;
+layout(constant_id = SPEC_VERTEX_STRIDE) const uint kVertexStride = 2;
 layout(constant_id = SPEC_TANGENT_OFFSET) const uint kTangentOffset = ATTRIBUTE_ABSENT;
-layout(constant_id = SPEC_UV0_OFFSET) const uint kUv0Offset = ATTRIBUTE_ABSENT;
 layout(constant_id = SPEC_UV1_OFFSET) const uint kUv1Offset = ATTRIBUTE_ABSENT;
 layout(constant_id = SPEC_COLOR_OFFSET) const uint kColorOffset = ATTRIBUTE_ABSENT;
 
-layout(scalar, binding = 20) readonly buffer Vertices { float values[]; } vertices;
+layout(scalar, binding = 20) readonly buffer Vertices { vec4 items[]; } vertices;
 layout(scalar, binding = 21) readonly buffer Instances { InstanceData items[]; } instances;
 
-vec2 vertex_vec2(uint at) { return vec2(vertices.values[at], vertices.values[at + 1]); }
-vec3 vertex_vec3(uint at) { return vec3(vertex_vec2(at), vertices.values[at + 2]); }
-vec4 vertex_vec4(uint at) { return vec4(vertex_vec3(at), vertices.values[at + 3]); }
+/// What every vertex has, in two loads: (position, u), (normal, v).
+struct Vertex {
+    vec3 position;
+    vec3 normal;
+    vec2 uv0; // 0 where the scene has none
+};
+
+/// `base`: index of the vertex times kVertexStride.
+Vertex fetch_vertex(uint base) {
+    vec4 a = vertices.items[base], b = vertices.items[base + 1u];
+    return Vertex(a.xyz, b.xyz, vec2(a.w, b.w));
+}
+
+vec2 fetch_uv1(uint base) {
+    return kUv1Offset == ATTRIBUTE_ABSENT ? vec2(0.0) : vertices.items[base + kUv1Offset].xy;
+}
+
+vec4 fetch_color(uint base) {
+    return kColorOffset == ATTRIBUTE_ABSENT ? vec4(1.0) : vertices.items[base + kColorOffset];
+}
 
 vec3 to_world(InstanceData instance, vec3 position) {
     vec4 p = vec4(position, 1.0);
@@ -41,23 +56,9 @@ vec3 to_world_normal(InstanceData instance, vec3 v) {
     return n * handedness(instance);
 }
 
-vec2 vertex_uv(uint base, int set) {
-    uint offset = set == 0 ? kUv0Offset : kUv1Offset;
-    return offset == ATTRIBUTE_ABSENT ? vec2(0.0) : vertex_vec2(base + offset);
-}
-
-vec4 vertex_color(uint base) {
-    return kColorOffset == ATTRIBUTE_ABSENT ? vec4(1.0) : vertex_vec4(base + kColorOffset);
-}
-
-/// World, unit.
-vec3 vertex_normal(InstanceData instance, uint base) {
-    return normalize(to_world_normal(instance, vertex_vec3(base + kNormalOffset)));
-}
-
 /// World, and its handedness; 0 where the scene has none.
-vec4 vertex_tangent(InstanceData instance, uint base) {
+vec4 fetch_tangent(InstanceData instance, uint base) {
     if (kTangentOffset == ATTRIBUTE_ABSENT) return vec4(0.0);
-    vec4 tangent = vertex_vec4(base + kTangentOffset);
+    vec4 tangent = vertices.items[base + kTangentOffset];
     return vec4(to_world_tangent(instance, tangent.xyz), tangent.w * handedness(instance));
 }

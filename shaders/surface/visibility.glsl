@@ -14,8 +14,9 @@ layout(constant_id = SPEC_SHADING_DATA_TEXTURES) const bool kShadingDataTextures
 layout(constant_id = SPEC_SECOND_COORDINATES) const bool kSecondCoordinates = true;
 
 layout(binding = 1) uniform usampler2D gbuffer;
-layout(scalar, binding = 22) readonly buffer Indices { uint items[]; } indices;
-layout(scalar, binding = 23) readonly buffer TriangleBlocks { TriangleBlock items[]; } triangle_blocks;
+// Whole rows, since drivers load scalars one by one: three corners; the members of a TriangleBlock.
+layout(scalar, binding = 22) readonly buffer Indices { uvec3 items[]; } indices;
+layout(scalar, binding = 23) readonly buffer TriangleBlocks { uvec4 items[]; } triangle_blocks;
 layout(scalar, binding = 24) readonly buffer Materials { MaterialData items[]; } materials;
 #ifdef DATA_TEXTURES
 layout(binding = 26) uniform sampler2DArray data_textures;
@@ -27,24 +28,28 @@ uint fetch_triangle(ivec2 position) { return texelFetch(gbuffer, position, 0).x;
 struct Triangle {
     InstanceData instance;
     uint material;
-    uvec3 vertices; // where they start, in floats
+    uvec3 vertices; // where they start in the buffer
     vec3 corner;    // the first, from the camera, world
     vec3 edge1, edge2;
+    mat3 normals;   // of the vertices, of the instance
+    mat3x2 uv0;
 };
 
 /// Of NO_TRIANGLE: some triangle.
 Triangle fetch_corners(uint id) {
-    TriangleBlock block = triangle_blocks.items[id >> TRIANGLE_BLOCK_BITS];
-    uint first = block.first_index + 3u * (id & (TRIANGLES_PER_BLOCK - 1u));
+    uvec4 row = triangle_blocks.items[id >> TRIANGLE_BLOCK_BITS];
+    TriangleBlock block = TriangleBlock(row.x, int(row.y), row.z, row.w);
+    uvec3 corners = indices.items[block.first_index / 3u + (id & (TRIANGLES_PER_BLOCK - 1u))];
     Triangle t;
     t.instance = instances.items[block.instance];
     t.material = block.material;
-    for (uint i = 0u; i < 3u; ++i)
-        t.vertices[i] = uint(int(indices.items[first + i]) + block.vertex_offset) * kVertexStride;
-    vec3 corner = vertex_vec3(t.vertices.x);
-    t.corner = to_world(t.instance, corner) - frame.data.position;
-    t.edge1 = to_world_tangent(t.instance, vertex_vec3(t.vertices.y) - corner);
-    t.edge2 = to_world_tangent(t.instance, vertex_vec3(t.vertices.z) - corner);
+    t.vertices = uvec3(ivec3(corners) + block.vertex_offset) * kVertexStride;
+    Vertex a = fetch_vertex(t.vertices.x), b = fetch_vertex(t.vertices.y), c = fetch_vertex(t.vertices.z);
+    t.corner = to_world(t.instance, a.position) - frame.data.position;
+    t.edge1 = to_world_tangent(t.instance, b.position - a.position);
+    t.edge2 = to_world_tangent(t.instance, c.position - a.position);
+    t.normals = mat3(a.normal, b.normal, c.normal);
+    t.uv0 = mat3x2(a.uv0, b.uv0, c.uv0);
     return t;
 }
 
@@ -96,43 +101,37 @@ Hit hit_triangle(Triangle t, ivec2 position) {
     return hit;
 }
 
-vec2 blend(vec2 weights, vec2 a, vec2 b, vec2 c) { return a + weights.x * (b - a) + weights.y * (c - a); }
-vec3 blend(vec2 weights, vec3 a, vec3 b, vec3 c) { return a + weights.x * (b - a) + weights.y * (c - a); }
-vec4 blend(vec2 weights, vec4 a, vec4 b, vec4 c) { return a + weights.x * (b - a) + weights.y * (c - a); }
+/// Of the three vertices.
+vec3 weights_of(Hit hit) { return vec3(1.0 - hit.weights.x - hit.weights.y, hit.weights); }
+
+/// Change of the coordinates per sample, right in column 0 and down in column 1.
+mat2 derivatives_of(Hit hit, mat3x2 uv) {
+    return mat2(uv[1] - uv[0], uv[2] - uv[0]) * mat2(hit.weights_x, hit.weights_y);
+}
 
 TextureCoordinates coordinates_at(Triangle t, Hit hit, UvMap map) {
-    vec2 uv[2];
-    UvDerivatives d;
-    for (int set = 0; set < 2; ++set) {
-        vec2 corner = vertex_uv(t.vertices.x, set);
-        vec2 edge1 = vertex_uv(t.vertices.y, set) - corner, edge2 = vertex_uv(t.vertices.z, set) - corner;
-        uv[set] = corner + hit.weights.x * edge1 + hit.weights.y * edge2;
-        vec2 step_x = hit.weights_x.x * edge1 + hit.weights_x.y * edge2;
-        vec2 step_y = hit.weights_y.x * edge1 + hit.weights_y.y * edge2;
-        if (set == 0) {
-            d.x0 = step_x;
-            d.y0 = step_y;
-        } else {
-            d.x1 = step_x;
-            d.y1 = step_y;
-        }
-    }
-    TextureCoordinates c = map_coordinates(map, uv[0], uv[1], d);
+    mat3x2 uv1 = mat3x2(fetch_uv1(t.vertices.x), fetch_uv1(t.vertices.y), fetch_uv1(t.vertices.z));
+    mat2 d0 = derivatives_of(hit, t.uv0), d1 = derivatives_of(hit, uv1);
+    vec3 weights = weights_of(hit);
+    TextureCoordinates c =
+        map_coordinates(map, t.uv0 * weights, uv1 * weights, UvDerivatives(d0[0], d1[0], d0[1], d1[1]));
     c.uv = fract(c.uv);
     return c;
 }
 
 vec3 normal_at(Triangle t, Hit hit) {
-    vec3 normal = normalize(blend(hit.weights, vertex_normal(t.instance, t.vertices.x),
-        vertex_normal(t.instance, t.vertices.y), vertex_normal(t.instance, t.vertices.z)));
+    vec3 weights = weights_of(hit);
+    vec3 normal = normalize(mat3(normalize(to_world_normal(t.instance, t.normals[0])),
+                                normalize(to_world_normal(t.instance, t.normals[1])),
+                                normalize(to_world_normal(t.instance, t.normals[2]))) * weights);
 #ifdef DATA_TEXTURES
     MaterialData material = materials.items[t.material];
     if (kNormalMaps && material.normal_texture.layer >= 0) {
         TextureCoordinates bump = coordinates_at(t, hit, material.uv[2]);
         vec3 texel = sample_footprint(data_textures, material.normal_texture.layer,
             material.normal_texture.size, bump.uv, bump.gradient_x, bump.gradient_y, 2.0).xyz;
-        vec4 tangent = blend(hit.weights, vertex_tangent(t.instance, t.vertices.x),
-            vertex_tangent(t.instance, t.vertices.y), vertex_tangent(t.instance, t.vertices.z));
+        vec4 tangent = mat3x4(fetch_tangent(t.instance, t.vertices.x), fetch_tangent(t.instance, t.vertices.y),
+                           fetch_tangent(t.instance, t.vertices.z)) * weights;
         normal = bump_normal(normal, tangent, texel, material.normal_scale);
     }
 #endif
@@ -146,7 +145,7 @@ float fetch_depth(ivec2 position) {
 }
 
 uint fetch_material(ivec2 position) {
-    return triangle_blocks.items[fetch_triangle(position) >> TRIANGLE_BLOCK_BITS].material;
+    return triangle_blocks.items[fetch_triangle(position) >> TRIANGLE_BLOCK_BITS].w; // material
 }
 
 vec3 fetch_normal(ivec2 position) {
@@ -168,8 +167,9 @@ SurfaceSample fetch_surface(ivec2 position) {
     s.depth = s.triangle == NO_TRIANGLE ? 0.0 : hit.depth;
     s.coordinates[0] = s.coordinates[1] = coordinates_at(t, hit, material.uv[0]);
     if (kSecondCoordinates) s.coordinates[1] = coordinates_at(t, hit, material.uv[1]);
-    s.color = clamp(blend(hit.weights, vertex_color(t.vertices.x), vertex_color(t.vertices.y),
-                          vertex_color(t.vertices.z)).rgb, 0.0, 1.0);
+    vec4 color = mat3x4(fetch_color(t.vertices.x), fetch_color(t.vertices.y), fetch_color(t.vertices.z)) *
+                 weights_of(hit);
+    s.color = clamp(color.rgb, 0.0, 1.0);
     return s;
 }
 
