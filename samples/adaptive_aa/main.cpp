@@ -31,7 +31,7 @@ struct Options {
     int m = 4;
     std::string method = "adaptive";
     int k = 1;
-    std::string preset = "paper";
+    std::string preset = "ockham";
     std::string metric = kByPreset;
     float lambda = kDefaultLambda;
     bool history = true;

@@ -238,6 +238,78 @@ TEST_F(AdaptiveAaTest, LoopAndBucketsMakeTheSamePicture) {
     }
 }
 
+TEST_F(AdaptiveAaTest, HalfPlanesAreExactOnceBothHaveASample) {
+    // A white half plane before a black wall: coverage by clusters, at every angle.
+    constexpr std::uint32_t kWidth = 24, kHeight = 24;
+    float prefix_worst = 0;
+    std::size_t edges = 0;
+    for (int degrees = 0; degrees <= 90; degrees += 10) {
+        Scene scene;
+        scene.materials = {unlit_material(glm::vec3(0.0f)), unlit_material()};
+        add(scene, rectangle({-9, -9, -1}, {99, 0, 0}, {0, 99, 0}, 0));
+        const float angle = glm::radians(static_cast<float>(degrees));
+        const glm::vec3 across(std::cos(angle), std::sin(angle), 0), up(-across.y, across.x, 0);
+        add(scene,
+            rectangle(glm::vec3(12.3f, 11.6f, 0) - 60.0f * across, 120.0f * across, 60.0f * up, 1));
+        const LitScene lit(device(), scene);
+        const Camera camera = pixel_camera(kWidth, kHeight);
+        AdaptiveAaParams p = params(kWidth, kHeight, 4, AaMethod::ssaa);
+        AdaptiveAa full(device(), lit, camera, p);
+        full.execute();
+        const Image truth = full.picture();
+        p.method = AaMethod::adaptive;
+        p.metrics = weights(20, 0, 0); // one unit of depth between them: 2 to 5 samples
+        for (const Resolve resolve : {Resolve::prefix, Resolve::stratified}) {
+            p.resolve = resolve;
+            AdaptiveAa aa(device(), lit, camera, p);
+            aa.execute();
+            const Image picture = aa.picture(), k = aa.executor().read(aa.outputs().sample_count);
+            for (std::size_t i = 0; i < picture.pixels(); ++i) {
+                const float error = std::abs(picture.plane("R")[i] - truth.plane("R")[i]);
+                const float count = k.plane(0)[i];
+                if (count < 2.0f || count > 15.0f) continue;
+                if (resolve == Resolve::prefix) {
+                    prefix_worst = std::max(prefix_worst, error);
+                    continue;
+                }
+                EXPECT_LT(error, 1e-6f) << degrees << " degrees, k = " << count;
+                ++edges;
+            }
+        }
+    }
+    EXPECT_GT(edges, 100u);
+    EXPECT_GT(prefix_worst, 0.05f) << "what the stratified resolve is for";
+}
+
+TEST_F(AdaptiveAaTest, StratifiedIsPrefixWhereOneSurfaceIsSeenAndFullWhereAllAreTaken) {
+    AdaptiveAaParams p = params(33, 21, 4, AaMethod::adaptive);
+    const Image full = render(33, 21, 4, AaMethod::ssaa);
+    p.metric = MetricKind::ockham;
+    p.lambda = 0.0f;
+    p.resolve = Resolve::stratified;
+    EXPECT_TRUE(equal_bits(render(p), full)) << "k = n everywhere";
+
+    // Two half-lit walls of one surface each: k varies, labels do not.
+    Scene scene;
+    Material checker = unlit_material();
+    checker.base_color_texture.image = add_image(scene, 4, 4,
+        [](int x, int y) { return (x + y) % 2 ? glm::u8vec4(255) : glm::u8vec4(0, 0, 0, 255); });
+    scene.materials = {checker};
+    add(scene, rectangle({-9, -9, 0}, {99, 0, 0}, {0, 99, 0}, 0, {7, 7}));
+    const LitScene lit(device(), scene);
+    Image pictures[2];
+    for (const Resolve resolve : {Resolve::prefix, Resolve::stratified}) {
+        AdaptiveAaParams q = params(33, 21, 4, AaMethod::adaptive);
+        q.metrics = weights(0, 0, 12);
+        q.resolve = resolve;
+        AdaptiveAa aa(device(), lit, pixel_camera(33, 21), q);
+        aa.execute();
+        pictures[resolve == Resolve::stratified] = aa.picture();
+        EXPECT_GT(aa.sample_counts().mean, 1.5);
+    }
+    EXPECT_TRUE(equal_bits(pictures[0], pictures[1]));
+}
+
 TEST_F(AdaptiveAaTest, EveryRunMakesTheSamePicture) {
     const AdaptiveAaParams p = params(64, 48, 3, AaMethod::adaptive);
     AdaptiveAa aa(device(), varied(), camera(), p);
