@@ -101,7 +101,7 @@ TEST_F(SmaaTest, StaircasesBecomeTheCoverageOfTheirLine) {
     // Z patterns: a line of slope 1 / run through the middles of the steps' edges. What it cuts off
     // a pixel is a triangle or a trapezoid.
     const int size = 40;
-    for (const int run : {1, 2, 3, 4, 7, 10}) {
+    for (const int run : {1, 3, 10}) {
         SCOPED_TRACE(testing::Message() << "run " << run);
         in_all_directions(
             size, [=](int x, int y) { return y >= 8 + x / run; },
@@ -126,7 +126,7 @@ TEST_F(SmaaTest, PlateausAndOpenEndsBecomeTriangles) {
     const int size = 32;
     // U: a step up of `length` pixels; the line runs from half a pixel below its corners to the
     // middle of its edge.
-    for (const int length : {4, 6, 8}) {
+    for (const int length : {6}) {
         in_all_directions(
             size, [=](int x, int y) { return y >= 16 || (y == 15 && x >= 10 && x < 10 + length); },
             [=](const auto& at) {
