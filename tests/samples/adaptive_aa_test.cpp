@@ -107,7 +107,7 @@ TEST_F(AdaptiveAaProgram, run_files_repeat_a_run) {
 TEST_F(AdaptiveAaProgram, moving_cameras_number_their_pictures_and_measure_each) {
     write_text(folder / "path.json", R"({"keys": [{"camera": "0,1.7,4 0,1.7,0 60"},
         {"camera": "0.1,1.7,4 0.1,1.7,0 60"}]})");
-    const std::string wires = "builtin:wires --width 33 --height 21 --m 2 --quiet ";
+    const std::string wires = "builtin:wires --width 33 --height 21 --m 2 --history off --quiet ";
     const std::string moving = wires + "--camera-path path.json --frames 3 ";
     ASSERT_EQ(run(moving + "--method ssaa -o all%d.exr").exit_code, 0);
     const Result result = run(moving + "-o out%d.exr --reference all%d.exr --stats s.json");
