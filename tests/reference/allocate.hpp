@@ -12,9 +12,10 @@
 namespace ockham::reference {
 
 inline glm::vec2 pack_variance(float within, float between, std::uint32_t surfaces) {
-    const std::uint32_t bits =
+    const std::uint32_t bits = std::max(
         std::bit_cast<std::uint32_t>(between / static_cast<float>(std::max(surfaces, 2u) - 1u)) &
-        ~3u;
+            ~3u,
+        0x800000u);
     return {within, surfaces > 1 ? std::bit_cast<float>(bits | (surfaces - 1u)) : 0.0f};
 }
 

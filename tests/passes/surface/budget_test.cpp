@@ -79,7 +79,7 @@ TEST_F(BudgetTest, IsMetToTheSample) {
 }
 
 TEST_F(BudgetTest, IsMetWhereAllPixelsAreAlike) {
-    for (const float variance : {1e-38f, 1e-12f, 0.01f, 0.25f})
+    for (const float variance : {1.2e-38f, 1e-12f, 0.01f, 0.25f})
         expect_met(Variances(32 * 32, {variance, 0.0f}), 32, 16);
     expect_met(Variances(32 * 32, reference::pack_variance(0.0f, 0.1f, 4)), 32, 16);
     expect_met(Variances(32 * 32, {0.0f, 0.0f}), 32, 16);

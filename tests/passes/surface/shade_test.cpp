@@ -152,8 +152,9 @@ TEST_F(ShadeTest, AnyMapOfCountsGivesTheSameSumsByEveryBackEnd) {
     struct Case {
         std::uint32_t width, height, m;
     };
+    const std::uint32_t widest = std::min(8191u, device().limits().attachment_extent / 2);
     for (const auto& [width, height, m] :
-        {Case{19, 13, 4}, {11, 9, 8}, {1, 1, 4}, {7, 5, 3}, {8191, 1, 2}}) {
+        {Case{19, 13, 4}, {11, 9, 8}, {1, 1, 4}, {7, 5, 3}, {widest, 1, 2}}) {
         const auto maps = hard_maps(std::size_t{width} * height, m * m);
         std::vector<std::vector<std::uint32_t>> expected;
         for (const Dispatch dispatch : kDispatches) {
