@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// aa_table: table 1 of Hollaender et al. 2013 on any scene: reference and adaptive side by side for
-// several window widths, with cheap and with stalled shading, as Markdown and CSV. Rows that are
-// compared are executed in turns, so that a noisy machine hurts both alike.
+// aa_table: table 1 of Hollaender et al. 2013 on any scene: reference, adaptive as the paper
+// has it and as is default here, for several window widths, with cheap and with stalled shading, as
+// Markdown and CSV. Rows that are compared are executed in turns, so that a noisy machine hurts
+// both alike.
 #include "framework/app/cli.hpp"
 #include "framework/app/report.hpp"
 #include "framework/app/scene_source.hpp"
@@ -27,6 +28,7 @@ struct Options {
     int repeats = 3;
     bool back_ends = false;
     std::string out;
+    float lambda = kDefaultLambda;
     float depth_weight = -1, normal_weight = -1, shading_weight = -1; ///< < 0: by the window
 };
 
@@ -35,6 +37,7 @@ struct Row {
     AaMethod method = AaMethod::none;
     std::uint32_t m = 1;
     Dispatch dispatch = Dispatch::buckets; ///< adaptive only
+    MetricKind metric = MetricKind::paper; ///< adaptive only: its preset
     std::array<FrameTimes, 2> times{};     ///< cheap, stalled
     AdaptiveAa::SampleCounts counts{};
     std::optional<ImageError> error{}; ///< against the reference of the same m
@@ -42,9 +45,10 @@ struct Row {
     double shading(std::size_t stalled) const { return times[stalled].total_of(is_shading_pass); }
     std::string supersampling() const { return fmt::format("{0}x{0}", m); }
     std::string name() const {
-        return method == AaMethod::adaptive ? fmt::format("Adaptive, {}", name_of(dispatch))
-               : method == AaMethod::ssaa   ? "Reference"
-                                            : "Default";
+        if (method == AaMethod::ssaa) return "Reference";
+        if (method != AaMethod::adaptive) return "Default";
+        return fmt::format("{}, {}",
+            metric == MetricKind::paper ? "Adaptive, as the paper" : "Adaptive", name_of(dispatch));
     }
 };
 
@@ -55,7 +59,10 @@ std::vector<Row> rows_of(std::uint32_t m, bool back_ends, const gpu::Device& dev
     for (const Dispatch dispatch : kDispatches) {
         if (dispatch != AdaptiveAaParams{}.dispatch && !back_ends) continue;
         if (dispatch == Dispatch::stencil && !device.exports_stencil()) continue;
-        rows.push_back({.method = AaMethod::adaptive, .m = m, .dispatch = dispatch});
+        for (const MetricKind metric : {MetricKind::paper, MetricKind::ockham}) {
+            rows.push_back(
+                {.method = AaMethod::adaptive, .m = m, .dispatch = dispatch, .metric = metric});
+        }
     }
     return rows;
 }
@@ -102,6 +109,12 @@ private:
         p.m = row.m;
         p.method = row.method;
         p.dispatch = row.dispatch;
+        p.metric = row.metric;
+        if (row.metric == MetricKind::ockham) {
+            p.order_kind = SampleOrder::optimal;
+            p.resolve = Resolve::stratified;
+            p.lambda = options_.lambda;
+        }
         p.metrics = default_metrics(row.m);
         if (options_.depth_weight >= 0) p.metrics.depth_weight = options_.depth_weight;
         if (options_.normal_weight >= 0) p.metrics.normal_weight = options_.normal_weight;
@@ -182,13 +195,16 @@ int run(int argc, char** argv) {
     params.add("back-ends", &o.back_ends, "a row for every --dispatch of adaptive_aa")
         .group("Table");
     params.add("out", &o.out, "writes this .md and this .csv").group("Table").transient();
-    params.add("c-depth", &o.depth_weight, "weight of the depth variance; -1: 15 m")
+    params.add("lambda", &o.lambda, "price of a sample: squared error that it must remove")
+        .range(0, 1)
+        .group("Table");
+    params.add("c-depth", &o.depth_weight, "as the paper: weight of the depth variance; -1: 15 m")
         .range(-1, 1e9)
         .group("Table");
-    params.add("c-normal", &o.normal_weight, "weight of the normal cone; -1: 3 m")
+    params.add("c-normal", &o.normal_weight, "as the paper: weight of the normal cone; -1: 3 m")
         .range(-1, 1e9)
         .group("Table");
-    params.add("c-shading", &o.shading_weight, "weight of the luma range; -1: 10 m")
+    params.add("c-shading", &o.shading_weight, "as the paper: weight of the luma range; -1: 10 m")
         .range(-1, 1e9)
         .group("Table");
     add_view_flags(params, o.common);

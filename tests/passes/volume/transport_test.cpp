@@ -121,7 +121,7 @@ TEST_F(TransportTest, CellsOfAnIsothermalFurnaceKeepItsRadiance) {
     view.environment = glow;
     CacheBench bench(device(), volume, linear_transfer({0.5, 0.8, 0.2}, glow), view,
         {.scale = 2, .format = CacheFormat::fp32, .target_error = 0, .paths = 256});
-    bench.execute(10);
+    bench.execute(14);
     const std::vector<CachedCell> cells = bench.cells();
     const std::vector<shader::CacheSum> sums = bench.sums();
     ASSERT_EQ(bench.size.slots, cells.size());
