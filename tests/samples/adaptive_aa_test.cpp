@@ -155,7 +155,7 @@ TEST_F(AdaptiveAaProgram, bad_input_is_one_error_with_exit_code_2) {
     expect_error("--m 2 --m 3", 2, {"--m"});
     expect_error("--width 0 --height 0", 2, {"--width", "'0'"});
     expect_error("builtin:sky --m 2 --method uniform --k 5", 2, {"k = 5", "1 to 4"});
-    expect_error("builtin:sky --m 5", 2, {"m = 5"});
+    expect_error("builtin:sky --preset paper --m 5", 2, {"m = 5"});
     expect_error("builtin:sky -o no/such/folder.exr", 2, {"no/such/folder.exr"});
     expect_error("builtin:sky -o out.jpg", 2, {"out.jpg", ".exr"});
     expect_error("builtin:sky --stats no/such/s.json", 2, {"no/such/s.json"});
