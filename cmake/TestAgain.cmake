@@ -49,16 +49,15 @@ set(OCKHAM_ON_SWIFTSHADER
   VK_DRIVER_FILES=${OCKHAM_SWIFTSHADER_ICD}
   VK_ICD_FILENAMES=${OCKHAM_SWIFTSHADER_ICD}) # loaders older than 1.3.207
 
-# Tests of the target that pass the filter, once more in this environment.
-function(ockham_discover_again target prefix label filter environment)
-  set(tests ${target}_${label})
-  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 TEST_PREFIX ${prefix}. TEST_FILTER ${filter}
-    TEST_LIST ${tests} PROPERTIES TIMEOUT 300)
-  # What is a list does not get through PROPERTIES.
-  set(file ${CMAKE_CURRENT_BINARY_DIR}/${tests}.cmake)
-  file(WRITE ${file} "if(${tests})
-  set_tests_properties(\${${tests}} PROPERTIES LABELS \"gpu;${label}\"
-    ENVIRONMENT \"${environment}\")
+# ockham_discover_tests(<target> <name> <labels> <environment> [arguments of gtest_discover_tests...])
+# Registers the tests of the target as the list <name>. Labels and environment are lists, which do
+# not get through PROPERTIES there.
+function(ockham_discover_tests target name labels environment)
+  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 TEST_LIST ${name} ${ARGN}
+    PROPERTIES TIMEOUT 300)
+  set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}.cmake)
+  file(WRITE ${file} "if(${name})
+  set_tests_properties(\${${name}} PROPERTIES LABELS \"${labels}\" ENVIRONMENT \"${environment}\")
 endif()
 ")
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${file})
@@ -67,9 +66,10 @@ endfunction()
 function(ockham_test_again target)
   if(OCKHAM_SWIFTSHADER_ICD)
     list(JOIN OCKHAM_NOT_ON_SWIFTSHADER ":" without)
-    ockham_discover_again(${target} SwiftShader swiftshader "-${without}"
-      "${OCKHAM_ON_SWIFTSHADER}")
+    ockham_discover_tests(${target} ${target}_swiftshader "gpu;swiftshader"
+      "${OCKHAM_ON_SWIFTSHADER}" TEST_PREFIX SwiftShader. TEST_FILTER "-${without}")
   endif()
   list(JOIN OCKHAM_GPU_ASSISTED ":" only)
-  ockham_discover_again(${target} GpuAssisted gpu_assisted "${only}" OCKHAM_TEST_VALIDATION=gpu)
+  ockham_discover_tests(${target} ${target}_gpu_assisted "gpu;gpu_assisted"
+    OCKHAM_TEST_VALIDATION=gpu TEST_PREFIX GpuAssisted. TEST_FILTER "${only}")
 endfunction()

@@ -14,6 +14,7 @@ namespace ockham::test {
 struct FaultJob {
     std::string program, arguments;
 };
+inline void PrintTo(const FaultJob& job, std::ostream* out) { *out << job.program; }
 
 class FaultWalk : public ProgramTest {
 protected:
