@@ -170,7 +170,8 @@ TEST_F(AdaptiveAaProgram, bad_input_is_one_error_with_exit_code_2) {
     expect_error("builtin:sky --camera nobody", 2, {"--camera", "nobody"});
     expect_error("builtin:sky --camera '0,0,0 0,0,0 60'", 2, {"--camera"});
     expect_error("builtin:sky --environment blue", 2, {"--environment", "blue"});
-    expect_error("builtin:wires --width 16000 --height 4 --m 4", 2, {"64000", "16"});
+    expect_error(
+        "builtin:wires --gbuffer packed --width 16000 --height 4 --m 4", 2, {"64000", "16"});
 }
 
 /// Puts `to` in place of the first `from` in a file; its line, as compilers name it.

@@ -18,6 +18,8 @@ inline void PrintTo(const FaultJob& job, std::ostream* out) { *out << job.progra
 
 class FaultWalk : public ProgramTest {
 protected:
+    using Sizes = std::map<std::string, std::uintmax_t>; ///< of files, by name
+
     FaultWalk() : ProgramTest("faults"), input_(folder.string() + ".in") {
         std::filesystem::create_directories(input_);
         std::ofstream(input_ / "small.raw") << std::string(512, '\x80');
@@ -65,22 +67,22 @@ protected:
     }
 
     /// Lets each call fail that `chosen` (n-th of so many) names. Nothing may crash or hang. Either
-    /// the program ends with exit code 3, one line of text and no file, or it does without the call
-    /// and all its files are there. Returns how many faults were met.
+    /// the program ends with exit code 3, one line of text and no file that is cut off, or it does
+    /// without the call and all its files are there. Returns how many faults were met.
     template <class Chosen>
     unsigned walk(const FaultJob& job, const Chosen& chosen) {
         const Result whole = run_job(job, "");
         EXPECT_EQ(whole.exit_code, 0) << whole.text;
         const std::map<std::string, unsigned> calls = log();
         EXPECT_GT(calls.size(), 20u) << "the layer is not between";
-        const std::set<std::string> all_files = files();
+        const Sizes whole_files = sizes();
         unsigned faults = 0;
         for (const auto& [call, count] : calls) {
             for (unsigned n = 1; n <= count; ++n) {
                 if (!chosen(n, count)) continue;
                 for (const int result : results_of(call)) {
                     judge(job, call + ":" + std::to_string(n) + ":" + std::to_string(result),
-                        all_files);
+                        whole_files);
                     ++faults;
                 }
             }
@@ -91,8 +93,14 @@ protected:
 private:
     std::filesystem::path input_; ///< beside the folder, whose files are judged
 
-    void judge(
-        const FaultJob& job, const std::string& fault, const std::set<std::string>& all_files) {
+    Sizes sizes() const {
+        Sizes sizes;
+        for (const std::string& name : files())
+            if (name != "log") sizes[name] = std::filesystem::file_size(folder / name);
+        return sizes;
+    }
+
+    void judge(const FaultJob& job, const std::string& fault, const Sizes& whole) {
         const Result result = run_job(job, fault);
         const std::string where = job.program + ", " + fault + ": " + result.text;
         EXPECT_TRUE(log().contains("hit")) << where;
@@ -100,12 +108,14 @@ private:
         for (std::size_t at = 0; (at = result.text.find("error: ", at)) != std::string::npos; ++at)
             ++errors;
         if (result.exit_code == 0) {
-            EXPECT_EQ(files(), all_files) << where;
+            EXPECT_EQ(sizes().size(), whole.size()) << where;
             EXPECT_EQ(errors, 0u) << where;
         } else {
             EXPECT_EQ(result.exit_code, 3) << where; // 124: hung; 128: a signal
             EXPECT_EQ(errors, 1u) << where;
-            EXPECT_EQ(files(), std::set<std::string>{"log"}) << where;
+            for (const auto& [name, bytes] : sizes())
+                EXPECT_TRUE(whole.contains(name) && whole.at(name) == bytes)
+                    << name << ": " << where;
         }
     }
 };
