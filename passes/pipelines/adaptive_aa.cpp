@@ -154,7 +154,7 @@ Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clu
         return {counts.sample_count, counts.winner};
     }
     ImageHandle variance =
-        add_ockham_metrics(graph, {in.scene.frame, in.gbuffer, clusters, first_sample, {}},
+        add_ockham_metrics(graph, {in.scene.frame, in.gbuffer, clusters, first_sample},
             {.m = params.m, .stratified = params.resolve == Resolve::stratified});
     if (in.frame_before) {
         variance = add_variance_history(

@@ -18,15 +18,11 @@ ImageHandle add_ockham_metrics(
         .sample("normal_spread", in.clusters.normal_spread)
         .sample("first_surface", in.clusters.first_surface)
         .sample("first_sample", in.first_sample);
-    if (in.first_albedo) pass.sample("first_albedo", in.first_albedo);
     const ImageHandle out = pass.write("variance", graph.create_image("variance", desc));
-    const bool wide = params.m * params.m > 16;
-    const std::string mode = wide              ? in.first_albedo ? "wide,albedo" : "wide"
-                             : in.first_albedo ? "albedo"
-                                               : "";
-    pass.record([desc, mode, params, gbuffer = in.gbuffer](Commands& commands) {
+    pass.record([desc, params, gbuffer = in.gbuffer](Commands& commands) {
         const shader::OckhamMetricsPush push{.stratified = params.stratified ? 1u : 0u};
-        const std::string shader = gbuffer_variant("surface/metrics_ockham.comp", mode, gbuffer);
+        const std::string shader = gbuffer_variant(
+            "surface/metrics_ockham.comp", params.m * params.m > 16 ? "wide" : "", gbuffer);
         commands.dispatch_over({.shader = shader,
                                    .specialization = gbuffer_specialization(gbuffer),
                                    .push = as_push(push)},

@@ -13,7 +13,6 @@ struct OckhamMetricsInputs {
     Gbuffer gbuffer; ///< packed with slopes, or visibility
     Clusters clusters;
     ImageHandle first_sample;
-    ImageHandle first_albedo; ///< luma of the base colour that S has; empty: lighting is not apart
 };
 
 struct OckhamMetricsParams {

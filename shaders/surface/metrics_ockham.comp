@@ -30,9 +30,6 @@ layout(binding = 4) uniform usampler2D clusters;
 layout(binding = 5) uniform sampler2D normal_spread;
 layout(binding = 6) uniform usampler2D first_surface;
 layout(binding = 7) uniform sampler2D first_sample;
-#ifdef ALBEDO
-layout(binding = 8) uniform sampler2D first_albedo;
-#endif
 layout(binding = 9, rg32f) uniform writeonly image2D variance;
 layout(push_constant, scalar) uniform Push { OckhamMetricsPush push; };
 
@@ -54,14 +51,6 @@ ivec2 neighbour(int i) {
     int j = i & 3;
     ivec2 direct = ivec2(j == 0 ? 1 : j == 1 ? -1 : 0, j == 2 ? 1 : j == 3 ? -1 : 0);
     return i < 4 ? direct : ivec2((i & 1) * 2 - 1, (i & 2) - 1);
-}
-
-float albedo_at(ivec2 pixel) {
-#ifdef ALBEDO
-    return max(texelFetch(first_albedo, pixel, 0).x, 0.02);
-#else
-    return 1.0;
-#endif
 }
 
 /// Luma of radiance, NaN and beyond as black.
@@ -86,17 +75,13 @@ void main() {
     uvec2 surface = texelFetch(first_surface, pixel, 0).xy;
 
     vec3 radiance = texelFetch(first_sample, pixel, 0).rgb;
-    float here = shown(radiance), albedo = albedo_at(pixel);
+    float here = shown(radiance);
     float squares = 0.0, seen = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 q = clamp(pixel + neighbour(i), ivec2(0), size - 1);
         vec3 other = texelFetch(first_sample, q, 0).rgb;
         bool same = texelFetch(first_surface, q, 0).y == surface.y;
         float difference = abs(shown(other) - here);
-#ifdef ALBEDO
-        // Albedo is averaged apart from light: where light alone varies less, that counts.
-        difference = min(difference, abs(shown(other * clamp(albedo / albedo_at(q), 0.25, 4.0)) - here));
-#endif
         squares += same ? difference * difference : 0.0;
         seen += same && q != pixel ? 1.0 : 0.0;
     }

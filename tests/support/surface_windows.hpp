@@ -4,6 +4,7 @@
 #pragma once
 
 #include "framework/core/image.hpp"
+#include "framework/core/rng.hpp"
 #include "passes/surface/gbuffer.hpp"
 #include "shaders/shared/frame.h"
 #include "tests/reference/packing.hpp"
@@ -11,12 +12,16 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include <bit>
+#include <limits>
 #include <numeric>
 
 namespace ockham::test {
 
 /// Perspective with a near plane at 1: stored depth is 1 / view depth; 0 is background.
 struct SurfaceWindows {
+    static constexpr float kOdd[] = {std::numeric_limits<float>::quiet_NaN(),
+        std::numeric_limits<float>::infinity(), 1e-40f, -1.0f, 0.0f, 3e38f};
     std::uint32_t width, height, m;
     std::vector<glm::uvec4> surface;
     std::vector<float> stored;
@@ -47,6 +52,13 @@ struct SurfaceWindows {
         for (std::uint32_t y = 0; y < height; ++y)
             for (std::uint32_t x = 0; x < width; ++x)
                 for (std::uint32_t i = 0; i < n(); ++i) set(x, y, i, depth, normal, material);
+    }
+    /// Any bits at all, odd depths among them.
+    void fill_with_garbage(Pcg32& rng) {
+        for (glm::uvec4& words : surface) words = {rng.next(), rng.next(), rng.next(), rng.next()};
+        for (std::uint32_t& slope : slopes) slope = rng.next();
+        for (float& depth : stored)
+            depth = rng.below(2) ? kOdd[rng.below(6)] : std::bit_cast<float>(rng.next());
     }
     /// S of a pixel: grey that displays as `luma`.
     void set_luma(std::uint32_t x, std::uint32_t y, float luma) {

@@ -193,15 +193,9 @@ TEST_F(ClustersTest, NormalsThatCancelSpreadAsFarAsCanBe) {
 
 TEST_F(ClustersTest, GarbageInTheGbufferKeepsLabelsInOrder) {
     Pcg32 rng(7);
-    const float odd[] = {std::numeric_limits<float>::quiet_NaN(),
-        std::numeric_limits<float>::infinity(), 1e-40f, -1.0f, 0.0f, 3e38f};
     for (const std::uint32_t m : {2u, 8u}) {
         SurfaceWindows windows(8, 8, m);
-        for (glm::uvec4& words : windows.surface)
-            words = {rng.next(), rng.next(), rng.next(), rng.next()};
-        for (std::uint32_t& slope : windows.slopes) slope = rng.next();
-        for (float& depth : windows.stored)
-            depth = rng.below(2) ? odd[rng.below(6)] : std::bit_cast<float>(rng.next());
+        windows.fill_with_garbage(rng);
         for (const Labels& labels : cluster(windows).labels) {
             EXPECT_EQ(labels[0], 0u);
             std::uint32_t next = 0;

@@ -33,8 +33,7 @@ protected:
             const Clusters clusters = add_clusters(
                 bench.graph, frame, gbuffer, {windows.width, windows.height, windows.m}, "test");
             const ImageHandle variance = add_ockham_metrics(bench.graph,
-                {frame, gbuffer, clusters, first_sample(bench, windows), {}},
-                {windows.m, stratified});
+                {frame, gbuffer, clusters, first_sample(bench, windows)}, {windows.m, stratified});
             const Allocation out =
                 add_allocate(bench.graph, variance, {.samples = windows.n(), .lambda = lambda});
             const ImageHandle kept = bench.keep(variance);
@@ -264,17 +263,12 @@ TEST_F(OckhamMetricsTest, PricesOfZeroAndInfinityAskForAllAndOne) {
 
 TEST_F(OckhamMetricsTest, GarbageKeepsCountsInRangeAndVarianceFinite) {
     Pcg32 rng(7);
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    const float odd[] = {nan, std::numeric_limits<float>::infinity(), 1e-40f, -1.0f, 0.0f, 3e38f};
     for (const std::uint32_t m : {2u, 3u, 8u}) {
         SurfaceWindows windows(8, 8, m);
-        for (glm::uvec4& words : windows.surface)
-            words = {rng.next(), rng.next(), rng.next(), rng.next()};
-        for (std::uint32_t& slope : windows.slopes) slope = rng.next();
-        for (float& depth : windows.stored)
-            depth = rng.below(2) ? odd[rng.below(6)] : std::bit_cast<float>(rng.next());
+        windows.fill_with_garbage(rng);
         for (glm::vec4& s : windows.first_sample)
-            s = glm::vec4(rng.below(3) ? rng.uniform(-1e3f, 1e3f) : odd[rng.below(6)]);
+            s = glm::vec4(
+                rng.below(3) ? rng.uniform(-1e3f, 1e3f) : SurfaceWindows::kOdd[rng.below(6)]);
         const Result result = measure(windows);
         for (const int k : result.ockham) {
             ASSERT_GE(k, 1);
