@@ -102,10 +102,10 @@ std::uint64_t device_memory_bytes(VkPhysicalDevice physical) {
 
 std::string list_gpus() {
     ValidationLog log;
-    const Instance instance = create_instance(Validation::off, log);
+    const Instance instance = create_instance(Validation::off, {}, log);
     std::string text;
     try {
-        text = describe(rate_all(instance.handle));
+        text = describe(rate_all(instance.handle, {}));
     } catch (...) {
         vkDestroyInstance(instance.handle, nullptr);
         throw;
@@ -118,7 +118,8 @@ std::string list_gpus() {
 
 Device::Device(const DeviceOptions& options)
     : options_(options), validation_log_(std::make_unique<ValidationLog>()) {
-    const Instance instance = create_instance(options.validation, *validation_log_);
+    const Instance instance =
+        create_instance(options.validation, options.instance_extensions, *validation_log_);
     instance_ = instance.handle;
     try {
         if (instance.debug_utils) load_debug_functions();
@@ -129,7 +130,7 @@ Device::Device(const DeviceOptions& options)
             expect(create_messenger(instance_, &info, nullptr, &messenger_),
                 "listening to validation messages");
         }
-        create(select(rate_all(instance_), options.gpu).handle);
+        create(select(rate_all(instance_, options.device_extensions), options.gpu).handle);
     } catch (...) {
         destroy();
         throw;
@@ -138,8 +139,9 @@ Device::Device(const DeviceOptions& options)
 
 Device::Device(const ExternalDevice& external, const DeviceOptions& options)
     : options_(options), validation_log_(std::make_unique<ValidationLog>()), owned_(false) {
-    check(options.gpu.empty() && options.validation == Validation::off,
-        "an external device was chosen, and validation switched on, by its owner");
+    check(options.gpu.empty() && options.validation == Validation::off &&
+              options.instance_extensions.empty() && options.device_extensions.empty(),
+        "an external device was chosen, and validation and extensions switched on, by its owner");
     try {
         adopt(external);
     } catch (...) {
@@ -171,6 +173,7 @@ void Device::create(VkPhysicalDevice physical) {
     std::vector<const char*> extensions;
     if (pushes) extensions.push_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
     if (stencil_export_) extensions.push_back(VK_EXT_SHADER_STENCIL_EXPORT_EXTENSION_NAME);
+    for (const std::string& name : options_.device_extensions) extensions.push_back(name.c_str());
     create_device(wanted, extensions);
     open(pushes);
     if (!wanted.v10.features.samplerAnisotropy) limits_.anisotropy = 1;

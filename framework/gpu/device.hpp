@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// One logical Vulkan device, headless: no surface, no window. Chooses the physical device by score
-// and says why each of the others was refused, or stands on handles that the caller has. Owns what
-// all graphs on it share: queues, memory, pipelines, samplers. Executor and uploads refer to it.
+// One logical Vulkan device. Knows no window: who has one names the extensions. Chooses the
+// physical device by score and says why each of the others was refused, or stands on handles that
+// the caller has. Owns what all graphs on it share: queues, memory, pipelines, samplers. Executor
+// and uploads refer to it.
 #pragma once
 
 #include "framework/gpu/debug.hpp"
@@ -39,6 +40,8 @@ struct DeviceOptions {
     bool force_descriptor_sets = false;
     /// Where device memory comes from; empty: from Vulkan.
     MemoryHook memory_hook = {};
+    /// More of them, for programs with a window; an instance or device without them is an Error.
+    std::vector<std::string> instance_extensions = {}, device_extensions = {};
 };
 
 /// A queue of an embedder.
@@ -131,8 +134,11 @@ public:
     /// Records with `record` into a fresh command buffer, submits it and waits.
     void run(const std::string& what, const std::function<void(VkCommandBuffer)>& record);
 
+    VkInstance instance() const { return instance_; }
     VkPhysicalDevice physical() const { return physical_; }
     VkDevice handle() const { return device_; }
+    /// For presenting; nothing else may be submitted meanwhile.
+    VkQueue main_queue_handle() const { return queues_.at(main_queue()); }
     std::uint32_t queue_family() const { return queue_family_; } ///< of the main queue
     const DebugFunctions& debug() const { return debug_; }
     PFN_vkCmdPushDescriptorSetKHR push_descriptor_set() const { return push_descriptor_set_; }

@@ -120,7 +120,7 @@ std::vector<VkExtensionProperties> extensions_of(VkPhysicalDevice physical) {
         vkEnumerateDeviceExtensionProperties, physical, static_cast<const char*>(nullptr));
 }
 
-Candidate rate(VkPhysicalDevice physical) {
+Candidate rate(VkPhysicalDevice physical, const std::vector<std::string>& extensions) {
     Candidate candidate{.handle = physical};
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(physical, &properties);
@@ -139,6 +139,11 @@ Candidate rate(VkPhysicalDevice physical) {
     }
     if (!find_queue_family(list_families(physical))) {
         candidate.refusals.push_back("no queue with graphics, compute and timestamps");
+    }
+    const std::vector<VkExtensionProperties> available = extensions_of(physical);
+    for (const std::string& name : extensions) {
+        if (!has_extension(available, name.c_str()))
+            candidate.refusals.push_back(fmt::format("no {}", name));
     }
     Features features;
     vkGetPhysicalDeviceFeatures2(physical, &features.v10);
@@ -162,7 +167,8 @@ std::string lower(std::string text) {
 
 } // namespace
 
-Instance create_instance(Validation validation, ValidationLog& log) {
+Instance create_instance(
+    Validation validation, const std::vector<std::string>& more, ValidationLog& log) {
     std::uint32_t version = VK_API_VERSION_1_0;
     vkEnumerateInstanceVersion(&version);
     if (version < VK_API_VERSION_1_3) {
@@ -185,13 +191,19 @@ Instance create_instance(Validation validation, ValidationLog& log) {
         }
         layers.push_back(kValidationLayer);
         extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
-        const auto more =
+        const auto of_layer =
             enumerate<VkExtensionProperties>("listing the validation layer's extensions",
                 vkEnumerateInstanceExtensionProperties, kValidationLayer);
-        available.insert(available.end(), more.begin(), more.end());
+        available.insert(available.end(), of_layer.begin(), of_layer.end());
     }
     instance.debug_utils = has_extension(available, VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     if (instance.debug_utils) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+
+    for (const std::string& name : more) {
+        if (!has_extension(available, name.c_str()))
+            fail_device("Vulkan here has no {}; update the driver", name);
+        extensions.push_back(name.c_str());
+    }
 
     std::optional<QueueSubmitChecks> checks;
     std::vector<VkValidationFeatureEnableEXT> enables;
@@ -320,11 +332,11 @@ bool has_stencil_export(VkPhysicalDevice physical) {
     return has_extension(extensions_of(physical), VK_EXT_SHADER_STENCIL_EXPORT_EXTENSION_NAME);
 }
 
-std::vector<Candidate> rate_all(VkInstance instance) {
+std::vector<Candidate> rate_all(VkInstance instance, const std::vector<std::string>& extensions) {
     std::vector<Candidate> candidates;
     for (const VkPhysicalDevice physical : enumerate<VkPhysicalDevice>(
              "listing Vulkan devices", vkEnumeratePhysicalDevices, instance)) {
-        candidates.push_back(rate(physical));
+        candidates.push_back(rate(physical, extensions));
     }
     return candidates;
 }

@@ -17,9 +17,11 @@ struct Instance {
     bool debug_utils = false;
 };
 
-/// An instance without window extensions; messages of the validation layer go to `log`, which must
-/// outlive it. Throws Error(device) where there is no driver, or no layer although asked for.
-Instance create_instance(Validation validation, ValidationLog& log);
+/// An instance with `more` extensions; messages of the validation layer go to `log`, which must
+/// outlive it. Throws Error(device) where there is no driver, or no layer or extension although
+/// asked for.
+Instance create_instance(
+    Validation validation, const std::vector<std::string>& more, ValidationLog& log);
 
 /// The features that the project asks about, chained for vkGetPhysicalDeviceFeatures2 and, reduced
 /// to what is wanted, for vkCreateDevice.
@@ -61,7 +63,8 @@ struct Candidate {
     std::vector<std::string> refusals; ///< empty: usable
 };
 
-std::vector<Candidate> rate_all(VkInstance instance);
+/// Devices without one of `extensions` are refused.
+std::vector<Candidate> rate_all(VkInstance instance, const std::vector<std::string>& extensions);
 /// One line per device: index, name, and score with its parts or reasons of refusal.
 std::string describe(const std::vector<Candidate>& candidates);
 /// The best usable device among those that `wish` names (index, part of the name, or empty for

@@ -75,6 +75,22 @@ TEST_F(DeviceTest, AnUnknownGpuIsRefusedWithTheListOfAll) {
     }
 }
 
+TEST_F(DeviceTest, ExtensionsAskedForAreEnabledOrRefusedByName) {
+    const Device device({.instance_extensions = {VK_KHR_SURFACE_EXTENSION_NAME},
+        .device_extensions = {VK_KHR_SWAPCHAIN_EXTENSION_NAME}});
+    EXPECT_NE(vkGetInstanceProcAddr(device.instance(), "vkDestroySurfaceKHR"), nullptr);
+    EXPECT_NE(vkGetDeviceProcAddr(device.handle(), "vkCreateSwapchainKHR"), nullptr);
+    EXPECT_NE(device.main_queue_handle(), nullptr);
+
+    EXPECT_NE(
+        error_of([] { Device({.instance_extensions = {"VK_NO_window"}}); }).find("VK_NO_window"),
+        std::string::npos);
+    EXPECT_NE(error_of([] {
+        Device({.device_extensions = {"VK_NO_screen"}});
+    }).find("refused: no VK_NO_screen"),
+        std::string::npos);
+}
+
 TEST_F(DeviceTest, NoDriverIsADeviceError) {
     const Environment drivers("VK_DRIVER_FILES", "/nonexistent/icd.json");
     try {
