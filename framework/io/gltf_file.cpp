@@ -4,7 +4,11 @@
 #include "framework/core/file.hpp"
 #include "framework/io/gltf_check.hpp"
 #include "framework/io/gltf_container.hpp"
+#include "framework/io/gltf_pictures.hpp"
+#include "framework/io/gltf_rules.hpp"
+#include "framework/io/gltf_schema.hpp"
 #include "framework/io/gltf_uri.hpp"
+#include "framework/io/gltf_values.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -103,7 +107,19 @@ GltfFile read_gltf_file(
     const GltfContainer container = open_gltf_container(bytes, findings);
     json root = parse_json(container.json, findings);
     GltfFile file;
+    if (options.strict) check_gltf_schema(root, findings);
     file.unknown_accessors = check_gltf_json(root, findings);
+    if (options.strict) check_gltf_rules(root, findings);
+    if (root.contains("buffers")) {
+        for (const json& buffer : root["buffers"]) {
+            file.buffers.push_back(load_buffer(
+                buffer, file.buffers.size(), container, path.parent_path(), options, findings));
+        }
+    }
+    if (options.strict) {
+        check_gltf_values(root, file.buffers, findings);
+        check_gltf_pictures(root, file.buffers, path.parent_path(), options, findings);
+    }
     const auto take = [&](const char* key) {
         json list = root.contains(key) ? std::move(root[key]) : json::array();
         root.erase(key);
@@ -111,10 +127,7 @@ GltfFile read_gltf_file(
     };
     if (!take("animations").empty()) findings.note("animations are ignored");
     if (!take("skins").empty()) findings.note("skins are ignored: meshes stay in their rest pose");
-    for (const json& buffer : take("buffers")) {
-        file.buffers.push_back(load_buffer(
-            buffer, file.buffers.size(), container, path.parent_path(), options, findings));
-    }
+    take("buffers");
     for (const json& image : take("images")) {
         file.images.push_back({image.value("name", std::string()),
             image.value("uri", std::string()), image.value("bufferView", -1)});

@@ -12,7 +12,7 @@
 
 namespace ockham {
 
-/// What is wrong with one file, in three degrees.
+/// What is wrong with one file, in degrees.
 class GltfFindings {
 public:
     GltfFindings(std::string file, bool strict) : file_(std::move(file)), strict_(strict) {}
@@ -28,6 +28,12 @@ public:
         const std::string found = fmt::format(text, std::forward<Args>(args)...);
         if (strict_) fail_input("cannot load '{}': {}; --strict refuses this", file_, found);
         log::warning("{}: {}", file_, found);
+    }
+    /// Invalid, and looked for under --strict only: throws Error(input).
+    template <class... Args>
+    [[noreturn]] void refuse(fmt::format_string<Args...> text, Args&&... args) const {
+        fail_input("cannot load '{}': {}; --strict refuses this", file_,
+            fmt::format(text, std::forward<Args>(args)...));
     }
     /// Valid, but not supported or not usual: a warning.
     template <class... Args>

@@ -573,8 +573,12 @@ TEST_F(GltfTest, MissingTextureCoordinatesAreZero) {
 
 TEST_F(GltfTest, WhatIsNotSupportedWarnsOnce) {
     json root = quad();
-    root["animations"] = json::array({json::object(), {{"channels", 3}}});
-    root["skins"] = json::array({json::object()});
+    root["accessors"].push_back(
+        {{"componentType", 5126}, {"count", 2}, {"type", "SCALAR"}, {"min", {0}}, {"max", {0}}});
+    root["accessors"].push_back({{"componentType", 5126}, {"count", 2}, {"type", "VEC3"}});
+    root["animations"] = json::parse(R"([{"samplers": [{"input": 3, "output": 4}],
+        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}])");
+    root["skins"] = json::parse(R"([{"joints": [0]}])");
     root["meshes"][0]["primitives"][0]["targets"] = json::array({{{"POSITION", 0}}});
     root["meshes"].push_back(root["meshes"][0]);
     root["extensionsUsed"] = {"KHR_materials_clearcoat", "KHR_materials_unlit", "EXT_other"};
@@ -803,10 +807,10 @@ TEST_F(GltfTest, ToleratedFindingsAreRefusedIfStrict) {
     const Mutation mutations[] = {
         {"/materials/0/pbrMetallicRoughness", {{"roughnessFactor", 1.5}}, "roughnessFactor is 1.5"},
         {"/materials/0/alphaCutoff", -1, "materials[0].alphaCutoff is -1"},
-        {"/nodes/0/rotation", {0, 0, 0, 2}, "nodes[0].rotation has length 2"},
+        {"/nodes/0/rotation", {0, 0, 0, 0.5}, "nodes[0].rotation has length 0.5"},
         {"/nodes/0/matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
             "nodes[0] has a matrix"},
-        {"/textures", json::array(), "textures is empty"},
+        {"/textures", json::array(), "textures is "},
         {"/extensionsUsed", json::array(), "extensionsUsed is an empty array"},
         {"/extensionsRequired", {"KHR_texture_transform"}, "extensionsUsed has not"},
     };
@@ -817,6 +821,63 @@ TEST_F(GltfTest, ToleratedFindingsAreRefusedIfStrict) {
         EXPECT_TRUE(warned(mutation.expected)) << warnings_;
         const std::string text = refusal(root, {.strict = true});
         EXPECT_NE(text.find(mutation.expected), std::string::npos) << text;
+    }
+}
+
+/// What is not drawn anyway makes no file unusable, but --strict vouches for the whole file.
+TEST_F(GltfTest, StrictAlsoLooksAtWhatIsNotRead) {
+    json rich = quad();
+    rich["extensionsUsed"] = {"KHR_materials_sheen", "KHR_materials_variants"};
+    rich["animations"] = json::parse(R"([{"samplers": [{"input": 3, "output": 4}],
+        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}])");
+    rich["accessors"].push_back(json::parse(R"({"bufferView": 3, "componentType": 5126, "count": 2,
+        "type": "SCALAR", "min": [0.5], "max": [1.5]})"));
+    rich["accessors"].push_back({{"componentType", 5126}, {"count", 2}, {"type", "VEC3"}});
+    rich["bufferViews"].push_back({{"buffer", 1}, {"byteLength", 8}});
+    rich["buffers"].push_back(data_uri(pack(std::vector<float>{0.5f, 1.5f})));
+    rich["nodes"].push_back({{"children", {2}}});
+    rich["nodes"].push_back(json::object());
+    rich["skins"] = json::parse(R"([{"joints": [1, 2]}])");
+    rich["images"] = json::array({{{"uri", kPng}}});
+    ASSERT_EQ(load(rich, {.strict = true}).triangles(), 2u);
+
+    const std::string decreasing = pack(std::vector<float>{1.5f, 0.5f});
+    const Mutation mutations[] = {
+        {"/accessors/0/max/1", 2.5, "accessors[0].max[1] is 2.5, its data has 2"},
+        {"/accessors/3/max", {2.5}, "accessors[3].max[0] is 2.5, its data has 1.5"},
+        {"/accessors/1/normalized", true, "accessors[1] is normalized, but of 32 bits"},
+        {"/accessors/1/min", {0}, "accessors[1].min has 1 numbers, expected 2"},
+        {"/buffers/1", data_uri(decreasing), "expected times that increase"},
+        {"/bufferViews/3/byteStride", 4, "samplers[0].input: its view has a byteStride"},
+        {"/bufferViews/1/target", 34963, "bufferViews[1], which serves something else"},
+        {"/animations/0/channels/0/sampler", 1, "sampler is 1, but the animation has 1"},
+        {"/animations/0/channels/0/target/node", 7, "the file has 3 nodes"},
+        {"/animations/0/samplers/0/interpolation", "CUBICSPLINE", "has 2 elements, expected 6"},
+        {"/skins/0/joints", {0, 1}, "skins[0].joints have no common root"},
+        {"/skins/0/joints", {1, 1}, "skins[0].joints has an element twice"},
+        {"/nodes/1/skin", 0, "nodes[1] has skin and no mesh"},
+        {"/nodes/1/matrix", {1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, "nodes[1].matrix"},
+        {"/images/0/mimeType", "image/jpeg", "images[0] is declared as image/jpeg"},
+        {"/images/0/uri", "none.png", "images[0]: cannot open"},
+        {"/images/0/uri", "data:image/png;;base64,AAAA", "is no URI"},
+        {"/meshes/0/primitives/0/attributes/COLOUR", 1, "COLOUR is no known attribute"},
+        {"/meshes/0/primitives/0/attributes/TEXCOORD_2", 1, "TEXCOORD_n are not numbered from 0"},
+        {"/materials/0/extensions", {{"KHR_materials_sheen", {{"sheenRoughnessFactor", 2}}}},
+            "sheenRoughnessFactor is 2, out of range"},
+        {"/nodes/0/extensions", {{"KHR_materials_sheen", json::object()}},
+            "is not where KHR_materials_sheen may stand"},
+        {"/nodes/0/extensions", {{"EXT_other", json::object()}}, "is not in extensionsUsed"},
+        {"/meshes/0/primitives/0/extensions",
+            json::parse(R"({"KHR_materials_variants": {"mappings": []}})"), "is an empty array"},
+        {"/meshes/0/weights", {0.5}, "meshes[0] has 1 weights and 0 targets"},
+    };
+    for (const Mutation& mutation : mutations) {
+        json root = rich;
+        root[json::json_pointer(mutation.pointer)] = mutation.value;
+        EXPECT_EQ(load(root).triangles(), 2u) << mutation.expected;
+        const std::string text = refusal(root, {.strict = true});
+        EXPECT_NE(text.find(mutation.expected), std::string::npos)
+            << mutation.pointer << ": " << text;
     }
 }
 
