@@ -11,14 +11,13 @@
 #include "framework/core/log.hpp"
 #include "framework/core/version.hpp"
 #include "framework/graph/fingerprint.hpp"
-#include "passes/pipelines/volume_gi.hpp"
+#include "passes/pipelines/volume_gi_options.hpp"
 #include "passes/volume/frame.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <set>
 
 using namespace ockham;
@@ -30,17 +29,7 @@ constexpr int kDefaultSteps = 32;
 struct Options {
     CommonOptions common;
     VolumeOptions volume;
-    std::string mode = "auto";
-    std::string sampler = "sobol";
-    std::string majorant = "grid";
-    bool nee = true;
-    int max_bounces = -1;
-    bool gather = true;
-    int cache_scale = 2;
-    std::string cache_format = "fp16";
-    bool iso_occlusion = true;
-    std::string surface_search = "exact";
-    int seed = 1;
+    VolumeGiOptions method;
     int steps = 0; ///< 0: as many as the other bounds allow
     float time = 0;
     float target_error = 0;
@@ -54,39 +43,13 @@ struct Options {
 
 void declare(Params& params, Options& o) {
     add_volume_options(params, o.volume);
-    const char* kMethod = "Method";
+    add_volume_gi_options(params, o.method);
     const char* kRun = "Run";
     const char* kReport = "Reports";
     const auto add = [&](const char* group, const char* name, Param::Target target,
                          const char* help) -> Param& {
         return params.add(name, target, help).group(group);
     };
-    add(kMethod, "mode", &o.mode, "how light is found; auto says what it picks")
-        .choices({"path", "noncaching", "caching", "auto"});
-    add(kMethod, "sampler", &o.sampler, "random numbers").choices({"independent", "sobol"});
-    add(kMethod, "majorant", &o.majorant, "bounds of the extinction, for free flights")
-        .choices({"global", "grid"});
-    add(kMethod, "nee", &o.nee,
-        "samples an environment map at collisions; off: it is met by chance (the sun is always "
-        "sampled)")
-        .on_off();
-    add(kMethod, "max-bounces", &o.max_bounces, "most scatterings of a path; -1: no bound")
-        .range(-1, 1 << 30);
-    add(kMethod, "gather", &o.gather,
-        "mode caching: paths to an exact collision, then the cache; off: composes from the cache")
-        .on_off();
-    add(kMethod, "cache-scale", &o.cache_scale, "mode caching: voxels along a side of a cell")
-        .choices({"1", "2", "4"});
-    add(kMethod, "cache-format", &o.cache_format, "mode caching: how a cell's light is kept")
-        .choices({"fp32", "fp16", "rgb9e5"});
-    add(kMethod, "iso-occlusion", &o.iso_occlusion,
-        "mode caching: surfaces keep light out of the cache")
-        .on_off();
-    add(kMethod, "surface-search", &o.surface_search,
-        "how a composition (--gather off) finds surfaces; paths meet them exactly")
-        .choices({"stochastic", "march", "exact"});
-    add(kMethod, "seed", &o.seed, "of all random numbers: equal seeds, equal pictures")
-        .range(0, std::numeric_limits<int>::max());
     add(kRun, "steps", &o.steps,
         "samples per pixel; default 32, or what --time and --target-error allow")
         .range(0, 1 << 24);
@@ -164,34 +127,19 @@ void check_options(const Options& o, std::size_t pictures) {
 
 VolumeMode mode_of(
     const Options& o, const Volume& volume, std::size_t pictures, gpu::Device& device) {
-    if (o.mode == "path") return VolumeMode::path;
-    if (o.mode == "noncaching") return VolumeMode::noncaching;
-    if (o.mode == "caching") return VolumeMode::caching;
+    if (const std::optional<VolumeMode> given = volume_mode(o.method)) return *given;
     const ModeChoice choice = choose_mode(volume, pictures,
-        static_cast<std::uint32_t>(o.cache_scale), device.allocator().budget_bytes());
+        static_cast<std::uint32_t>(o.method.cache_scale), device.allocator().budget_bytes());
     log::info("--mode auto: {}, for {}", name_of(choice.mode), choice.why);
     return choice.mode;
 }
 
 VolumeGiParams picture_params(const Options& o, VolumeMode mode) {
-    VolumeGiParams p;
+    VolumeGiParams p = volume_gi_params(o.method, mode);
     p.width = static_cast<std::uint32_t>(o.common.width);
     p.height = static_cast<std::uint32_t>(o.common.height);
-    p.mode = mode;
-    p.sobol = o.sampler == "sobol";
-    p.majorant_grid = o.majorant == "grid";
-    p.nee = o.nee;
-    p.gather = o.gather;
-    p.cache_scale = static_cast<std::uint32_t>(o.cache_scale);
-    p.cache_format = o.cache_format == "fp32"   ? CacheFormat::fp32
-                     : o.cache_format == "fp16" ? CacheFormat::fp16
-                                                : CacheFormat::rgb9e5;
-    p.iso_occlusion = o.iso_occlusion;
     p.keep_on_iso = !o.iso_to.empty();
     if (o.target_error > 0) p.cache_error = o.target_error;
-    p.search = o.surface_search == "stochastic" ? SurfaceSearch::stochastic
-               : o.surface_search == "march"    ? SurfaceSearch::march
-                                                : SurfaceSearch::exact;
     for (const auto& [name, file] : parse_captures(o.common)) p.captures.push_back(name);
     return p;
 }
@@ -393,8 +341,7 @@ int render(int argc, char** argv) {
     HeadlessRun run(o.common, argc, argv, {o.checkpoint, o.convergence});
 
     VolumeSource source = load_volume_source(o.volume);
-    source.view.seed = static_cast<std::uint32_t>(o.seed);
-    if (o.max_bounces >= 0) source.view.max_bounces = static_cast<std::uint32_t>(o.max_bounces);
+    apply(o.method, source.view);
     std::vector<std::vector<double>> isovalues = choose_isovalues(o, source.view, cameras.size());
     gpu::Device device(device_options(o.common));
     watch_shaders(device, o.common);
