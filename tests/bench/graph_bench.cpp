@@ -7,7 +7,7 @@
 #include "framework/graph/explain/explain.hpp"
 #include "framework/graph/explain/plan_file.hpp"
 #include "framework/graph/plan_cache.hpp"
-#include "tests/framework/graph/graph_families.hpp"
+#include "samples/chart/graph_families.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 
 #include <benchmark/benchmark.h>

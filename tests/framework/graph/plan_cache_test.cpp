@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/core/error.hpp"
 #include "framework/graph/plan_cache.hpp"
-#include "tests/framework/graph/graph_families.hpp"
+#include "samples/chart/graph_families.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Order and queues: what comes together, what waits for what, what stays on one queue.
 #include "framework/graph/verify.hpp"
-#include "tests/framework/graph/graph_families.hpp"
+#include "samples/chart/graph_families.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 

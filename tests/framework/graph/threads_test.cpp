@@ -3,7 +3,7 @@
 // with ThreadSanitizer, whose word is the test, and with a main() of its own, so that all of it is
 // instrumented.
 #include "framework/graph/plan_cache.hpp"
-#include "tests/framework/graph/graph_families.hpp"
+#include "samples/chart/graph_families.hpp"
 #include "tests/framework/graph/random_graph.hpp"
 
 #include <atomic>

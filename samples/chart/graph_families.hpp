@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Families of graphs of any size that planners are compared on: chain2 and random16. Used by the
-// benchmark and by tests; RandomGraph (random_graph.hpp) is the third corpus.
+// benchmark, by charts and by tests; RandomGraph (tests) is the third corpus.
 #pragma once
 
 #include "framework/core/rng.hpp"
