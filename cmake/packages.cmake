@@ -18,4 +18,4 @@ set(OCKHAM_PACKAGES
   # a Vulkan device in software, used where there is no other
   mesa-vulkan-drivers
   # tests
-  libbenchmark-dev libgtest-dev vulkan-validationlayers)
+  doxygen libbenchmark-dev libgtest-dev vulkan-validationlayers)
