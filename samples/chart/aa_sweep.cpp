@@ -25,18 +25,22 @@ AaSetting fixed(const char* name, AaMethod method, const AdaptiveAaParams& base)
 
 } // namespace
 
-std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base) {
+std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base, AaKnobs knobs) {
     const std::uint32_t n = base.m * base.m;
+    if (knobs.counts.empty())
+        for (std::uint32_t k = 1; k < n; ++k) knobs.counts.push_back(k);
+    if (knobs.lambdas.empty())
+        for (double l = 1e-6; l < 0.02; l *= std::sqrt(10.0)) knobs.lambdas.push_back(l);
     std::vector<AaSetting> settings{fixed("none", AaMethod::none, base),
         fixed("fxaa", AaMethod::fxaa, base), fixed("smaa", AaMethod::smaa, base),
         fixed("sraa", AaMethod::sraa, base), fixed("msaa", AaMethod::msaa, base),
         fixed("cluster", AaMethod::cluster, base)};
-    for (std::uint32_t k = 1; k < n; ++k) {
+    for (const std::uint32_t k : knobs.counts) {
         AaSetting setting = fixed("uniform", AaMethod::uniform, base);
         setting.knob = setting.params.k = k;
         settings.push_back(setting);
     }
-    for (const double scale : {0.125, 0.25, 0.5, 1.0, 2.0, 4.0}) {
+    for (const double scale : knobs.scales) {
         AaSetting setting = fixed("paper", AaMethod::adaptive, base);
         setting.knob = scale;
         setting.params.metrics = default_metrics(base.m);
@@ -48,7 +52,7 @@ std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base) {
         }
         settings.push_back(setting);
     }
-    for (double lambda = 1e-6; lambda < 0.02; lambda *= std::sqrt(10.0)) {
+    for (const double lambda : knobs.lambdas) {
         AaSetting setting = fixed("ockham", AaMethod::adaptive, base);
         setting.knob = lambda;
         setting.params.metric = MetricKind::ockham;
@@ -59,6 +63,28 @@ std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base) {
     return settings;
 }
 
+AaPoint judge_aa(const AaSetting& setting, AdaptiveAa& aa, const Image& picture,
+    const Image& reference, std::uint32_t m) {
+    const Image shown = displayed(picture), expected = displayed(reference);
+    AaPoint point{.method = setting.method, .knob = setting.knob, .m = m};
+    point.samples_percent = 100.0 * aa.sample_counts().mean / (m * m);
+    point.mse = mse(shown, expected);
+    point.psnr = psnr(point.mse);
+    point.ssim = ssim_luma(shown, expected);
+    point.flip = flip(picture, reference).mean;
+    return point;
+}
+
+Image all_samples(
+    gpu::Device& device, const LitScene& scene, const Camera& camera, AdaptiveAaParams params) {
+    params.width *= params.m;
+    params.height *= params.m;
+    params.method = AaMethod::none;
+    AdaptiveAa aa(device, scene, camera, params);
+    aa.execute();
+    return aa.picture();
+}
+
 AaSweep::AaSweep(gpu::Device& device, const LitScene& scene, const Camera& camera,
     const AdaptiveAaParams& base, int repeats)
     : device_(device), scene_(scene), camera_(camera),
@@ -66,18 +92,6 @@ AaSweep::AaSweep(gpu::Device& device, const LitScene& scene, const Camera& camer
     AdaptiveAa aa(device_, scene_, camera_, reference_params_);
     aa.execute();
     reference_ = aa.picture();
-}
-
-AaPoint AaSweep::judge(const AaSetting& setting, AdaptiveAa& aa, const Image& picture) const {
-    const Image shown = displayed(picture), expected = displayed(reference_);
-    const double n = reference_params_.m * reference_params_.m;
-    AaPoint point{.method = setting.method, .knob = setting.knob, .m = reference_params_.m};
-    point.samples_percent = 100.0 * aa.sample_counts().mean / n;
-    point.mse = mse(shown, expected);
-    point.psnr = psnr(point.mse);
-    point.ssim = ssim_luma(shown, expected);
-    point.flip = flip(picture, reference_).mean;
-    return point;
 }
 
 void AaSweep::measure(const std::vector<AaSetting>& settings,
@@ -101,7 +115,7 @@ void AaSweep::measure(const std::vector<AaSetting>& settings,
         for (std::size_t i = first; i < last; ++i) {
             AdaptiveAa& aa = *pictures[i - first];
             const Image picture = aa.picture();
-            AaPoint point = judge(settings[i], aa, picture);
+            AaPoint point = judge_aa(settings[i], aa, picture, reference_, reference_params_.m);
             point.shading_gpu_ms = times[i - first].total_of(is_shading_pass);
             point.total_gpu_ms = times[i - first].total();
             point.reference_shading_gpu_ms = times.back().total_of(is_shading_pass);

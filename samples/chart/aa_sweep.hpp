@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures anti-aliasing methods on one view, each over its knob: samples, times and error against
 // all m x m samples. Settings that stand beside each other are executed in turns with the
-// reference, so that a noisy machine hurts all alike. Called by aa_curve.
+// reference, so that a noisy machine hurts all alike. Called by aa_curve; charts share the settings
+// and the judgement.
 #pragma once
 
 #include "framework/app/report.hpp"
@@ -35,10 +36,26 @@ struct AaPoint {
     double ssim = kUnknown, flip = kUnknown;
 };
 
+/// Where the knobs are put.
+struct AaKnobs {
+    std::vector<std::uint32_t> counts; ///< uniform; empty: 1 ... n - 1
+    std::vector<double> scales{0.125, 0.25, 0.5, 1, 2, 4};
+    std::vector<double> lambdas; ///< empty: 1e-6 ... 0.02, two a decade
+};
+
 /// What there is to compare at the window width of `base`, whose other parameters all share:
 /// no, filtered and multisampled, uniform, adaptive and full supersampling. TAA is not there: what
 /// it shades depends on the frames before.
-std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base);
+std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base, AaKnobs knobs = {});
+
+/// Samples and error of a picture that `aa` made, of whose m x m samples `reference` has all.
+AaPoint judge_aa(const AaSetting& setting, AdaptiveAa& aa, const Image& picture,
+    const Image& reference, std::uint32_t m);
+
+/// All samples of all pixels, m times as wide and high: one sample in each pixel of a larger
+/// picture.
+Image all_samples(
+    gpu::Device& device, const LitScene& scene, const Camera& camera, AdaptiveAaParams params);
 
 class AaSweep {
 public:
@@ -54,8 +71,6 @@ public:
         const std::function<bool(const AaSetting&, const AaPoint&, const Image&)>& visit);
 
 private:
-    AaPoint judge(const AaSetting& setting, AdaptiveAa& aa, const Image& picture) const;
-
     gpu::Device& device_;
     const LitScene& scene_;
     Camera camera_;

@@ -5,6 +5,7 @@
 #include "framework/core/error.hpp"
 #include "framework/core/log.hpp"
 #include "framework/core/version.hpp"
+#include "samples/chart/aa_suite.hpp"
 #include "samples/chart/graph_suite.hpp"
 #include "samples/chart/suite.hpp"
 
@@ -22,7 +23,7 @@ struct Kind {
     std::unique_ptr<Suite> (*make)(Context&);
 };
 /// In the order of the page.
-constexpr Kind kSuites[] = {{"graph", make_graph_suite}};
+constexpr Kind kSuites[] = {{"aa", make_aa_suite}, {"graph", make_graph_suite}};
 
 std::string suite_names() {
     std::string names;
@@ -95,6 +96,7 @@ int run(int argc, char** argv) {
     };
     add("suite", &names, "what to measure: " + suite_names() + "; several by commas");
     add("scenes", &o.scenes, ".gltf, .glb or builtin: scenes of suite aa, by commas");
+    add("rig", &o.rig, "camera, background and lights of scenes that are files, as JSON");
     add("volumes", &o.volumes, "files or builtin: names of suite volume, by commas");
     add("out", &out, "folder for measurements, CSV, SVG and index.html; run again, it continues")
         .transient();

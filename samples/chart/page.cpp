@@ -106,7 +106,8 @@ std::string html(const Wipe& wipe, const std::filesystem::path& folder) {
     std::string left, right;
     for (std::size_t i = 0; i < wipe.sides.size(); ++i) {
         const Wipe::Side& side = wipe.sides[i];
-        sides.push_back({{"label", side.label}, {"picture", data_uri(folder / side.picture)}});
+        sides.push_back({{"label", side.label}});
+        if (i > 1) sides.back()["picture"] = data_uri(folder / side.picture); // others: see below
         if (!side.error_map.empty()) sides.back()["error"] = data_uri(folder / side.error_map);
         const auto option = [&](std::size_t shown) {
             return fmt::format("<option value=\"{}\"{}>{}</option>", i,
@@ -128,8 +129,8 @@ std::string html(const Wipe& wipe, const std::filesystem::path& folder) {
 </figure>
 )",
         escape(wipe.sides[0].label), escape(wipe.sides[1].label),
-        sides[0]["picture"].get<std::string>(), sides[1]["picture"].get<std::string>(), left, right,
-        escape(wipe.title), wipe.caption, json);
+        data_uri(folder / wipe.sides[0].picture), data_uri(folder / wipe.sides[1].picture), left,
+        right, escape(wipe.title), wipe.caption, json);
 }
 
 std::string html(const Section& section, const std::filesystem::path& folder, bool charts) {

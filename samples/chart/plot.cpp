@@ -46,6 +46,7 @@ std::string literal(const std::string& text) {
 
 bool can_show(double value, const Axis& axis) {
     if (axis.value == "psnr" && value >= 999) return false; // stands for infinite
+    if (axis.most && value > *axis.most) return false;
     return std::isfinite(value) && (!axis.logarithmic || value > 0);
 }
 
@@ -61,6 +62,127 @@ constexpr Style kStyles[] = {{"#0072b2", 7}, {"#d55e00", 5}, {"#009e73", 9}, {"#
 bool same(const PlotPoint& a, const PlotPoint& b) {
     return a.x.median == b.x.median && a.y.median == b.y.median && a.setting == b.setting;
 }
+
+/// The parts of what gnuplot is told.
+class Script {
+public:
+    explicit Script(const Plot& plot) : plot_(plot) {
+        if (const std::vector<PlotPoint> front = pareto_front(plot); front.size() > 1)
+            add(front, "using 1:2 with steps lc '#d4d4d4' lw 7", "Pareto front");
+        std::size_t style = 0, limits = 0;
+        for (const Curve& c : plot.curves) {
+            if (c.kind == Curve::Kind::limit) {
+                add(c.points,
+                    fmt::format("using 1:2 with lines lc '#505050' lw 1.5 dt {}", 2 + limits++ % 4),
+                    c.legend);
+            } else {
+                add(c, kStyles[style++ % std::size(kStyles)]);
+            }
+        }
+        for (const Mark& mark : plot.marks) add(mark);
+    }
+
+    const std::string& data() const { return data_; }
+    const std::string& marks() const { return marks_; }
+    const std::string& curves() const { return curves_; }
+    /// Four columns, or three where a text is long.
+    std::size_t legend_rows() const {
+        const std::size_t columns = longest_ > 26 ? 2 : longest_ > 17 ? 3 : 4;
+        return (legends_ + columns - 1) / columns;
+    }
+    /// Range and, where logarithmic, ticks: 1, 2, 5 of each decade unless there are many.
+    std::string axis(const char* name, const Axis& axis) const {
+        const bool is_x = name[0] == 'x';
+        double low = is_x ? x_low_ : y_low_, high = is_x ? x_high_ : y_high_;
+        if (!(low <= high)) return {};
+        if (!axis.logarithmic) {
+            const double margin =
+                high > low ? 0.05 * (high - low) : 0.05 * std::max(std::abs(low), 1e-9);
+            high = axis.most && high + margin > *axis.most ? *axis.most : high + margin;
+            return fmt::format("set {}range [{:.9g}:{:.9g}]\n", name, low - margin, high);
+        }
+        const double margin = std::max(std::pow(high / low, 0.05), 1.02);
+        low /= margin, high *= margin;
+        const bool few = high / low < 500;
+        std::string ticks;
+        for (int decade = static_cast<int>(std::floor(std::log10(low))); decade < 30; ++decade) {
+            for (const int digit : {1, 2, 5}) {
+                const double tick = digit * std::pow(10.0, decade);
+                if (tick < low || tick > high || (digit != 1 && !few)) continue;
+                ticks += fmt::format("{}'{:g}' {:.9g}", ticks.empty() ? "" : ", ", tick, tick);
+            }
+        }
+        return fmt::format("set logscale {0}\nset {0}range [{1:.9g}:{2:.9g}]\nset {0}tics ({3})\n",
+            name, low, high, ticks);
+    }
+
+private:
+    void reach(double x, double y) {
+        x_low_ = std::min(x_low_, x), x_high_ = std::max(x_high_, x);
+        y_low_ = std::min(y_low_, y), y_high_ = std::max(y_high_, y);
+    }
+
+    /// A block of data, x, y and their reach, and a part of the plot command that draws it.
+    void add(
+        const std::vector<PlotPoint>& points, const std::string& how, const std::string& title) {
+        std::string rows;
+        for (const PlotPoint& p : points) {
+            if (!can_show(p.x.median, plot_.x) || !can_show(p.y.median, plot_.y)) continue;
+            rows += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", p.x.median,
+                p.y.median, p.x.low, p.x.high, p.y.low, p.y.high);
+            reach(p.x.median, p.y.median);
+        }
+        if (rows.empty()) return;
+        data_ += fmt::format("$d{} << EOD\n{}EOD\n", blocks_, rows);
+        curves_ += fmt::format("{}$d{} {} title {}", curves_.empty() ? "plot " : ", \\\n     ",
+            blocks_, how, title.empty() ? "''" : literal(title));
+        ++blocks_;
+        if (title.empty()) return;
+        ++legends_;
+        longest_ = std::max(longest_, title.size());
+    }
+
+    void add(const Curve& c, const Style& style) {
+        const bool is_line = c.kind == Curve::Kind::line;
+        // Bars first, paler, so that the points stand out.
+        add(c.points,
+            fmt::format(
+                "using 1:2:3:4:5:6 with xyerrorbars lc rgb '#90{}' lw 0.8 pt -1", style.color + 1),
+            "");
+        add(c.points,
+            fmt::format("using 1:2 with {} lc '{}' lw 1.9 pt {} ps 0.8",
+                is_line ? "linespoints" : "points", style.color, style.point),
+            c.legend);
+    }
+
+    void add(const Mark& mark) {
+        const std::string label = literal(mark.label);
+        if (mark.x && mark.y) {
+            reach(*mark.x, *mark.y);
+            marks_ += fmt::format("set label {} at first {:.9g}, first {:.9g} point pt 3 ps 1.5 "
+                                  "lw 2 lc '#000000' offset 0.8,-0.6 front tc '#000000'\n",
+                label, *mark.x, *mark.y);
+        } else if (mark.x) {
+            x_low_ = std::min(x_low_, *mark.x), x_high_ = std::max(x_high_, *mark.x);
+            marks_ += fmt::format("set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 "
+                                  "nohead lc '#404040' lw 1 dt 3\nset label {1} at first {0:.9g}, "
+                                  "graph 0.03 rotate by 90 left offset -0.6,0 tc '#404040' "
+                                  "font ',13'\n",
+                *mark.x, label);
+        } else if (mark.y) {
+            y_low_ = std::min(y_low_, *mark.y), y_high_ = std::max(y_high_, *mark.y);
+            marks_ += fmt::format("set arrow from graph 0, first {0:.9g} to graph 1, first {0:.9g} "
+                                  "nohead lc '#404040' lw 1 dt 3\nset label {1} at graph 0.01, "
+                                  "first {0:.9g} left offset 0,0.5 tc '#404040' font ',13'\n",
+                *mark.y, label);
+        }
+    }
+
+    const Plot& plot_;
+    std::string data_, marks_, curves_;
+    std::size_t blocks_ = 0, legends_ = 0, longest_ = 0;
+    double x_low_ = INFINITY, x_high_ = -INFINITY, y_low_ = INFINITY, y_high_ = -INFINITY;
+};
 
 } // namespace
 
@@ -133,83 +255,25 @@ std::string csv(const Plot& plot) {
 }
 
 std::string gnuplot_script(const Plot& plot, const std::filesystem::path& svg) {
-    // Every curve is a block of data: x, y, and their reach.
-    std::string data, drawn;
-    const auto add = [&](const std::vector<PlotPoint>& points, const std::string& how,
-                         const std::string& title) {
-        const std::size_t block =
-            static_cast<std::size_t>(std::count(data.begin(), data.end(), '$'));
-        std::string rows;
-        for (const PlotPoint& p : points) {
-            if (!can_show(p.x.median, plot.x) || !can_show(p.y.median, plot.y)) continue;
-            rows += fmt::format("{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", p.x.median,
-                p.y.median, p.x.low, p.x.high, p.y.low, p.y.high);
-        }
-        if (rows.empty()) return;
-        data += fmt::format("$d{} << EOD\n{}EOD\n", block, rows);
-        drawn += fmt::format("{}$d{} {} title {}", drawn.empty() ? "plot " : ", \\\n     ", block,
-            how, title.empty() ? "''" : literal(title));
-    };
-    if (const std::vector<PlotPoint> front = pareto_front(plot); front.size() > 1) {
-        const char* steps = plot.x.better == Better::less ? "steps" : "fsteps";
-        add(front, fmt::format("using 1:2 with {} lc '#d8d8d8' lw 7", steps), "Pareto front");
-    }
-    std::size_t style = 0, limits = 0;
-    for (const Curve& c : plot.curves) {
-        if (c.kind == Curve::Kind::limit) {
-            add(c.points,
-                fmt::format("using 1:2 with lines lc '#707070' lw 1.4 dt {}", 2 + limits++ % 4),
-                c.legend);
-            continue;
-        }
-        const Style s = kStyles[style++ % std::size(kStyles)];
-        if (c.kind == Curve::Kind::line)
-            add(c.points, fmt::format("using 1:2 with lines lc '{}' lw 1.8", s.color), "");
-        // Bars under the points, which carry the legend.
-        add(c.points,
-            fmt::format("using 1:2:3:4:5:6 with xyerrorbars lc '{}' lw 0.9 pt -1", s.color), "");
-        add(c.points,
-            fmt::format("using 1:2 with {} lc '{}' lw 1.8 pt {} ps 0.75",
-                c.kind == Curve::Kind::line ? "linespoints" : "points", s.color, s.point),
-            c.legend);
-    }
-    std::string marks;
-    for (const Mark& mark : plot.marks) {
-        if (mark.x && mark.y) {
-            marks +=
-                fmt::format("set label {0} at first {1:.9g}, first {2:.9g} point pt 3 ps 1.6 lw 2 "
-                            "lc '#000000' offset 0.9,0.6 front tc '#000000'\n",
-                    literal(mark.label), *mark.x, *mark.y);
-        } else if (mark.x) {
-            marks += fmt::format("set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 "
-                                 "nohead lc '#404040' lw 1 dt 3\nset label {1} at first {0:.9g}, "
-                                 "graph 0.03 rotate by 90 left offset -0.6,0 tc '#404040'\n",
-                *mark.x, literal(mark.label));
-        } else if (mark.y) {
-            marks +=
-                fmt::format("set arrow from graph 0, first {0:.9g} to graph 1, first {0:.9g} "
-                            "nohead lc '#404040' lw 1 dt 3\nset label {1} at graph 0.99, first "
-                            "{0:.9g} right offset 0,0.5 tc '#404040'\n",
-                    *mark.y, literal(mark.label));
-        }
-    }
+    const Script script(plot);
     return fmt::format(R"(set encoding utf8
-set terminal svg size 760,520 noenhanced background '#ffffff' font 'Helvetica,14' linewidth 1.1
+set terminal svg size 760,540 noenhanced background '#ffffff' font 'Helvetica,15' linewidth 1.1
 set output {}
-set title {} font ',16'
-set xlabel {}
+set title {} font ',17'
+set xlabel {} offset 0,0.3
 set ylabel {}
-{}{}set grid back lc '#e6e6e6' lw 0.8
+{}{}set grid back lc '#e8e8e8' lw 0.8
 set border 3 lc '#404040'
 set tics nomirror out scale 0.6
-set offsets graph 0.02, graph 0.02, graph 0.04, graph 0.04
-set bars 0.4
-set key below left Left reverse samplen 2.2 spacing 1.15 width 1 maxrows 4
+set bars 0.3
+set bmargin {}
+set key at screen 0.51, screen 0.015 center bottom vertical maxrows {} Left reverse samplen 1.8 font ',13'
 {}{}{}
 )",
         literal(svg.string()), literal(plot.question), literal(plot.x.label), literal(plot.y.label),
-        plot.x.logarithmic ? "set logscale x\n" : "", plot.y.logarithmic ? "set logscale y\n" : "",
-        data, marks, drawn);
+        script.axis("x", plot.x), script.axis("y", plot.y),
+        3.9 + 0.95 * static_cast<double>(script.legend_rows()), script.legend_rows(), script.data(),
+        script.marks(), script.curves());
 }
 
 bool gnuplot_is_installed() { return std::system("command -v gnuplot >/dev/null 2>&1") == 0; }

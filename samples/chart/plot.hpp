@@ -20,6 +20,7 @@ struct Axis {
     std::string label; ///< with its unit: "GPU time (ms)"
     bool logarithmic = false;
     Better better = Better::neither; ///< both axes' say: a Pareto front is drawn
+    std::optional<double> most{};    ///< the axis ends there; what lies beyond is in the CSV alone
 };
 
 struct PlotPoint {

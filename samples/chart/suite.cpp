@@ -122,11 +122,12 @@ bool run_suites(const std::vector<std::unique_ptr<Suite>>& suites, Context& cont
     Progress progress("measurement", repeats, context.options.common.quiet);
     for (std::size_t s = 0; s < suites.size(); ++s) {
         const std::vector<Job>& jobs = missing[s];
-        for (std::size_t first = 0; first < jobs.size(); first += suites[s]->together()) {
+        for (std::size_t i = 0; i < jobs.size();) {
             std::vector<Open> group;
-            const std::size_t end = std::min(first + suites[s]->together(), jobs.size());
-            for (std::size_t i = first; i < end; ++i) {
+            const std::string scene = jobs[i].scene;
+            for (; i < jobs.size() && jobs[i].scene == scene; ++i) {
                 if (interrupted()) return false;
+                if (group.size() == suites[s]->together()) break;
                 group.push_back(
                     {&jobs[i], suites[s]->open(jobs[i]), store.repeats(jobs[i]).size()});
             }

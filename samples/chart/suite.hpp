@@ -20,6 +20,7 @@ struct ChartOptions {
     CommonOptions common;             ///< width and height of pictures, device
     std::vector<std::string> scenes;  ///< files or builtin: names
     std::vector<std::string> volumes; ///< likewise
+    std::string rig;                  ///< of scenes that are files; empty: their own
     std::filesystem::path out;
     int repeats = 5;
     bool quick = false; ///< small pictures, few settings: all suites together in 20 minutes
@@ -73,7 +74,8 @@ public:
     virtual std::string obstacle() { return {}; }
     /// All of them, the same ones in the same order in each run of one command. Measures nothing.
     virtual std::vector<Job> jobs() = 0;
-    /// So many neighbours in jobs() are open at a time and measured in turns.
+    /// So many neighbours in jobs() are open at a time and measured in turns, if they are of one
+    /// scene.
     virtual std::size_t together() const { return 4; }
     /// Sets a job up: builds graphs, executes once.
     virtual std::unique_ptr<Subject> open(const Job& job) = 0;

@@ -36,17 +36,6 @@ AdaptiveAaParams base_params(const Options& o) {
     return params;
 }
 
-/// All samples of all pixels: one sample in each pixel of a larger picture.
-Image all_samples(
-    gpu::Device& device, const LitScene& scene, const Camera& camera, AdaptiveAaParams params) {
-    params.width *= params.m;
-    params.height *= params.m;
-    params.method = AaMethod::none;
-    AdaptiveAa aa(device, scene, camera, params);
-    aa.execute();
-    return aa.picture();
-}
-
 AaPoint row(const char* method, const LimitPoint& limit, std::uint32_t m) {
     return {.method = method,
         .knob = limit.lambda,
