@@ -242,16 +242,28 @@ VolumeSource load_volume_source(const VolumeOptions& o) {
         fail_input("found {} volumes ('{}', '{}' ...), expected one", o.volume.size(), o.volume[0],
             o.volume[1]);
     VolumeSource source;
-    source.view.density_scale = o.density_scale;
-    source.view.albedo = o.albedo;
-    source.view.phase_g = o.phase_g;
-    set_cuts(o, source.view);
+    set_cuts(o, source.view); // wrong flags show before the volume is read
     source.volume = load_volume(o.volume.empty() ? "builtin:cloud" : o.volume.front());
     log_volume(source.volume);
-    source.transfer = choose_transfer(o, source.volume);
-    set_surfaces(o, source.volume, source.view);
-    set_light(o, source);
+    update_transfer(o, source);
+    update_view(o, source);
     return source;
+}
+
+void update_view(const VolumeOptions& o, VolumeSource& source) {
+    VolumeSource next;
+    next.view.density_scale = o.density_scale;
+    next.view.albedo = o.albedo;
+    next.view.phase_g = o.phase_g;
+    set_cuts(o, next.view);
+    set_surfaces(o, source.volume, next.view);
+    set_light(o, next);
+    source.view = std::move(next.view);
+    source.environment = std::move(next.environment);
+}
+
+void update_transfer(const VolumeOptions& o, VolumeSource& source) {
+    source.transfer = choose_transfer(o, source.volume);
 }
 
 } // namespace ockham

@@ -46,4 +46,9 @@ nlohmann::ordered_json fingerprints_of(const VolumeSource& source);
 /// flag, what was found there and what is expected.
 VolumeSource load_volume_source(const VolumeOptions& options);
 
+/// Of a source that is there, after options have changed: all but volume and transfer function anew,
+/// or the transfer function. Seed and bounces of the view are lost. Throw as load_volume_source().
+void update_view(const VolumeOptions& options, VolumeSource& source);
+void update_transfer(const VolumeOptions& options, VolumeSource& source);
+
 } // namespace ockham

@@ -258,14 +258,15 @@ void VolumeGi::execute() {
     executor_->set(restart_, pending_.picture || stale);
     executor_->set(drain_, false);
     if (composed_) *composed_->begins = true;
+    const bool refines = !suspended_ && (refining_ || pending_.cache != CacheChange::none);
     if (cache_) {
-        executor_->set(refine_, !suspended_);
+        executor_->set(refine_, refines);
         set_cache_change(*executor_, *cache_, pending_.cache);
     }
     executor_->execute();
     pending_ = {false, false, false, CacheChange::none};
     ++progress_.steps;
-    if (cache_ && !suspended_) suspended_ = cache_control().suspended != 0;
+    if (cache_ && refines) suspended_ = cache_control().suspended != 0;
 }
 
 bool VolumeGi::finished() {
@@ -320,6 +321,18 @@ void VolumeGi::set_transfer(const TransferFunction& transfer) {
         declare_anew();
     else
         bind();
+}
+
+void VolumeGi::set_picture(std::uint32_t width, std::uint32_t height, bool gather) {
+    VolumeGiParams params = params_;
+    params.width = width;
+    params.height = height;
+    params.gather = gather;
+    params_ = checked(params);
+    show(view_, camera_);
+    executor_->update(declare());
+    bind();
+    pending_.picture = true;
 }
 
 shader::CacheControl VolumeGi::cache_control() {

@@ -98,6 +98,11 @@ public:
     void set_camera(const Camera& camera);
     void set_view(const VolumeView& view);
     void set_transfer(const TransferFunction& transfer);
+    /// Another size in pixels, gather on or off: as if made so, but for the cache, which stays.
+    void set_picture(std::uint32_t width, std::uint32_t height, bool gather);
+    /// False: the cache rests until something else than the camera changes, so that steps are
+    /// short.
+    void set_refining(bool refining) { refining_ = refining; }
 
     /// R, G, B (linear radiance) and A: means over all samples.
     Image picture() { return executor_->read(radiance_); }
@@ -162,6 +167,7 @@ private:
     Pending pending_;
     Progress progress_;
     bool suspended_ = false; ///< the cache was, after the last execution
+    bool refining_ = true;
 };
 
 } // namespace ockham

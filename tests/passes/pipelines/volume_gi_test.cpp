@@ -158,6 +158,34 @@ TEST_F(VolumeGiTest, ACameraBeginsThePictureAnewAndKeepsTheCache) {
     }
 }
 
+TEST_F(VolumeGiTest, AnotherSizeBeginsThePictureAnewAndKeepsTheCache) {
+    for (const bool gather : {true, false}) {
+        VolumeGiParams large = params(VolumeMode::caching, gather);
+        large.width = 24;
+        large.height = 18;
+        VolumeGi fresh = make(large), changed = make(params(VolumeMode::caching, !gather));
+        for (VolumeGi* gi : {&fresh, &changed}) {
+            gi->execute();
+            gi->execute();
+            gi->set_refining(false);
+        }
+        fresh.set_camera(front());
+        changed.set_picture(24, 18, gather);
+        EXPECT_EQ(changed.steps(), 0u);
+        EXPECT_TRUE(equal(after(changed, 2), after(fresh, 2))) << "gather " << gather;
+        const std::uint64_t paths = fresh.statistics().paths - (gather ? 2u * 24 * 18 : 0);
+        EXPECT_EQ(changed.statistics().paths - (gather ? 2u * 24 * 18 : 0), paths);
+
+        // A cache at rest still follows what is not the camera.
+        VolumeView bright = lit();
+        bright.light_irradiance *= 2.0f;
+        changed.set_view(bright);
+        const Image picture = after(changed, 1);
+        VolumeGi other = make(large, bright);
+        EXPECT_TRUE(equal(picture, after(other, 1))) << "gather " << gather;
+    }
+}
+
 TEST_F(VolumeGiTest, MaterialsAndGainsKeepTheCache) {
     VolumeView view = lit();
     view.surfaces = {{.value = 190}};
