@@ -17,5 +17,7 @@ set(OCKHAM_PACKAGES
   ${OCKHAM_LIBRARY_PACKAGES} ${OCKHAM_ITK_PACKAGES} ${OCKHAM_OPENVDB_PACKAGES} ${OCKHAM_NANOVDB_PACKAGES}
   # a Vulkan device in software, used where there is no other
   mesa-vulkan-drivers
-  # tests
-  doxygen libbenchmark-dev libgtest-dev vulkan-validationlayers)
+  # the viewer, optional: window, widgets, a font
+  libglfw3-dev libimgui-dev fonts-dejavu-core
+  # tests, those of the viewer in a virtual screen
+  doxygen xdotool xvfb libbenchmark-dev libgtest-dev vulkan-validationlayers)

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// viewer: scenes and volumes in a window, with every parameter at hand. README.md beside this file
+// has examples.
+#include "framework/core/log.hpp"
+#include "samples/viewer/viewer.hpp"
+#include "samples/viewer/widgets.hpp"
+
+using namespace ockham;
+using namespace ockham::viewer;
+
+namespace {
+
+constexpr const char* kDescription =
+    "Shows a scene or a volume in a window. The flags are those of adaptive_aa or volume_gi, by "
+    "what "
+    "is shown; for a volume's, give one: viewer builtin:cloud --help";
+
+int view(int argc, char** argv) {
+    auto subject = std::make_unique<Subject>(kind_of_command(argc, argv));
+    if (const std::optional<int> done =
+            parse_command_line(argc, argv, kDescription, subject->params, subject->common))
+        return *done;
+
+    const CommonOptions& common = subject->common;
+    const Gui gui;
+    Window window(common.width, common.height, "Ockham viewer");
+    gpu::DeviceOptions options = device_options(common);
+    options.instance_extensions = window.instance_extensions();
+    options.device_extensions = Presenter::device_extensions();
+    gpu::Device device(options);
+    watch_shaders(device, common);
+    log::info("{} ({})", device.info().name, device.info().driver_version);
+    {
+        Presenter presenter(window, device);
+        Viewer viewer(window, device, presenter, std::move(subject));
+        viewer.run();
+    }
+    expect_no_validation_messages(device);
+    return interrupted() ? 130 : 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_program([&] { return view(argc, argv); });
+}

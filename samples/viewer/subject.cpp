@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "samples/viewer/subject.hpp"
+
+#include "framework/core/error.hpp"
+#include "framework/core/file.hpp"
+#include "framework/scene/builtin.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace ockham::viewer {
+
+Kind kind_of(const std::string& source) {
+    const std::string extension = std::filesystem::path(source).extension().string();
+    if (extension == ".gltf" || extension == ".glb" || extension == ".GLTF" || extension == ".GLB")
+        return Kind::surface;
+    const bool scene = std::ranges::any_of(builtin_scenes(), [&](const BuiltinName& builtin) {
+        return source == fmt::format("builtin:{}", builtin.name);
+    });
+    return scene ? Kind::surface : Kind::volume;
+}
+
+Subject::Subject(Kind which) : kind(which) {
+    common.width = 1280;
+    common.height = 720;
+    if (kind == Kind::surface)
+        declare(params, surface);
+    else
+        declare(params, volume);
+    add_view_flags(params, common);
+    const char* kPicture = "Picture";
+    params.add("exposure", &common.exposure, "exposure of what is shown, and of .png files")
+        .range(-32, 32)
+        .unit("stops")
+        .group(kPicture);
+    params.add("tonemap", &common.tonemap, "tone curve of what is shown, and of .png files")
+        .choices({"none", "aces"})
+        .group(kPicture);
+    const char* kReport = "Reports";
+    params.add("output", &common.output, "picture to write when the window closes: .exr or .png")
+        .letter('o')
+        .group(kReport)
+        .transient();
+    params.add("screenshot", &screenshot, ".png of the whole window, written when it closes")
+        .group(kReport)
+        .transient();
+    params
+        .add("reference", &common.reference,
+            "picture (.exr or .png) to compare with; it may have another size")
+        .group(kReport)
+        .transient();
+    params.add("frames", &frames, "close after so many steps of the whole picture; 0: by the user")
+        .range(0, 1000000)
+        .group("Run")
+        .transient();
+    add_run_flags(params, common);
+}
+
+void Subject::open(gpu::Device& device) {
+    technique.reset();
+    if (kind == Kind::surface)
+        technique = std::make_unique<SurfaceTechnique>(device, common, surface);
+    else
+        technique = std::make_unique<VolumeTechnique>(device, common, volume);
+}
+
+void Subject::set_source(const std::string& source) {
+    if (kind == Kind::surface)
+        surface.scene.scenes = {source};
+    else
+        volume.volume.volume = {source};
+    common.camera.clear();
+}
+
+std::vector<std::string> positionals(int argc, char** argv) {
+    const Subject surface(Kind::surface), volume(Kind::volume);
+    const auto takes_value = [&](const std::string& name) {
+        for (const Subject* subject : {&surface, &volume}) {
+            if (const Param* param = subject->params.find(name)) return !param->is_flag();
+        }
+        return false;
+    };
+    std::vector<std::string> words;
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i];
+        if (word == "-o" || (word.starts_with("--") && takes_value(word.substr(2))))
+            ++i;
+        else if (!word.starts_with("-"))
+            words.push_back(word);
+    }
+    return words;
+}
+
+Kind kind_of_command(int argc, char** argv) {
+    const std::vector<std::string> sources = positionals(argc, argv);
+    if (!sources.empty()) return kind_of(sources.front());
+    for (int i = 1; i + 1 < argc; ++i) {
+        if (std::string_view(argv[i]) != "--config") continue;
+        const nlohmann::json json = nlohmann::json::parse(read_text(argv[i + 1]), nullptr, false);
+        if (json.is_object() && json.contains("volume")) return Kind::volume;
+    }
+    return Kind::surface;
+}
+
+void save_run_file(const std::filesystem::path& path, Subject& subject, const std::string& camera,
+    glm::ivec2 size) {
+    nlohmann::json json = subject.params.to_json();
+    json["camera"] = camera;
+    json["width"] = size.x;
+    json["height"] = size.y;
+    write_text(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+std::filesystem::path session_path() {
+    if (const char* config = std::getenv("XDG_CONFIG_HOME"); config && *config == '/')
+        return std::filesystem::path(config) / "ockham" / "viewer.json";
+    if (const char* home = std::getenv("HOME"); home && *home == '/')
+        return std::filesystem::path(home) / ".config" / "ockham" / "viewer.json";
+    return {};
+}
+
+} // namespace ockham::viewer

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes with adaptive supersampling in the viewer: two pictures, a small one for haste and a full
+// one, of one uploaded scene. Called by the viewer.
+#pragma once
+
+#include "framework/app/scene_source.hpp"
+#include "passes/pipelines/aa_options.hpp"
+#include "passes/pipelines/adaptive_aa.hpp"
+#include "samples/viewer/technique.hpp"
+
+#include <memory>
+
+namespace ockham::viewer {
+
+struct SurfaceOptions {
+    SceneOptions scene;
+    AaOptions method;
+};
+void declare(Params& params, SurfaceOptions& options);
+
+class SurfaceTechnique : public Technique {
+public:
+    /// Loads and uploads; all must outlive this object. Throws Error(input) naming the file.
+    SurfaceTechnique(
+        gpu::Device& device, const CommonOptions& common, const SurfaceOptions& options);
+
+    const char* program() const override { return "adaptive_aa"; }
+    std::string title() const override;
+    Stage stage() const override;
+    void change(const std::vector<std::string>& names) override;
+    void set_camera(const Camera& camera) override;
+    void render(glm::uvec2 size, bool hurry) override;
+    bool finished() const override { return finished_; }
+    Image picture() override { return shown_->picture(); }
+    std::vector<std::string> overlays() const override;
+    void want_overlay(const std::string& name) override;
+    std::optional<Overlay> overlay(const std::string& name) override;
+    std::vector<std::pair<std::string, std::string>> facts() override;
+    Executor* executor() override { return shown_ ? &shown_->executor() : nullptr; }
+    std::vector<PassTime> times() override;
+
+private:
+    /// One picture, made anew when something but the camera changes.
+    struct Slot {
+        std::unique_ptr<AdaptiveAa> aa;
+        glm::uvec2 size{0};
+    };
+    void load();
+    void forget();
+    AdaptiveAa& slot(glm::uvec2 size, bool hurry);
+
+    gpu::Device& device_;
+    const CommonOptions& common_;
+    const SurfaceOptions& options_;
+    std::unique_ptr<LitScene> lit_;
+    AdaptiveAaParams params_;
+    Camera camera_;
+    Slot hasty_, full_;
+    AdaptiveAa* shown_ = nullptr;
+    std::string wanted_;
+    int frames_ = 0; ///< of one view, that is not in a hurry
+    bool finished_ = false;
+};
+
+} // namespace ockham::viewer

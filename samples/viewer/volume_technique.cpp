@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "samples/viewer/volume_technique.hpp"
+
+#include "framework/core/error.hpp"
+#include "framework/gpu/device.hpp"
+#include "passes/volume/frame.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace ockham::viewer {
+namespace {
+
+const std::set<std::string> kViewNames{"density-scale", "albedo", "phase-g", "light", "crop",
+    "clip-plane", "volume-gain", "iso", "iso-material", "shading", "surface-gain", "max-bounces",
+    "seed"};
+
+} // namespace
+
+void declare(Params& params, VolumeViewerOptions& o) {
+    add_volume_options(params, o.volume);
+    add_volume_gi_options(params, o.method);
+    params.add("steps", &o.steps, "samples per pixel, after which a picture that is still is done")
+        .range(1, 1 << 24)
+        .group("Method");
+}
+
+VolumeTechnique::VolumeTechnique(
+    gpu::Device& device, const CommonOptions& common, const VolumeViewerOptions& options)
+    : device_(device), common_(common), options_(options) {
+    load();
+    camera_ = stage().camera;
+}
+
+void VolumeTechnique::load() {
+    VolumeSource source = load_volume_source(options_.volume);
+    gi_.reset();
+    finished_ = false;
+    source_ = std::move(source);
+    apply(options_.method, source_.view);
+    histogram_ = ockham::histogram(source_.volume, 256);
+}
+
+std::string VolumeTechnique::title() const { return source_.volume.name; }
+
+Stage VolumeTechnique::stage() const {
+    Camera camera = volume_camera();
+    if (!common_.camera.empty()) {
+        const std::optional<Camera> given = parse_camera(common_.camera, UpAxis::z);
+        if (!given)
+            fail_input("--camera: found '{}', expected \"px,py,pz tx,ty,tz fov\"", common_.camera);
+        camera = *given;
+    }
+    camera.orthographic_height = common_.orthographic;
+    return {camera, glm::vec3(0.0f), 1.0f, UpAxis::z};
+}
+
+/// One picture does not pay for a cache, but a person looks at many.
+VolumeMode VolumeTechnique::mode() const {
+    constexpr std::uint64_t kMany = 1000;
+    if (const std::optional<VolumeMode> given = volume_mode(options_.method)) return *given;
+    return choose_mode(source_.volume, kMany,
+        static_cast<std::uint32_t>(options_.method.cache_scale), device_.allocator().budget_bytes())
+        .mode;
+}
+
+void VolumeTechnique::change(const std::vector<std::string>& names) {
+    bool view = false, transfer = false;
+    for (const std::string& name : names) {
+        if (name == "steps") continue;
+        if (name == "volume") {
+            load();
+            return;
+        }
+        if (kViewNames.contains(name))
+            view = true;
+        else if (name == "transfer" || name == "window")
+            transfer = true;
+        else
+            view = true, gi_.reset(); // another graph, or another environment
+    }
+    finished_ = false;
+    if (view) {
+        update_view(options_.volume, source_);
+        apply(options_.method, source_.view);
+        if (gi_) gi_->set_view(source_.view);
+    }
+    if (transfer) {
+        update_transfer(options_.volume, source_);
+        if (gi_) gi_->set_transfer(source_.transfer);
+    }
+}
+
+void VolumeTechnique::set_transfer(const TransferFunction& transfer) {
+    source_.transfer = transfer;
+    finished_ = false;
+    if (gi_) gi_->set_transfer(transfer);
+}
+
+void VolumeTechnique::set_camera(const Camera& camera) {
+    camera_ = camera;
+    finished_ = false;
+    if (gi_) gi_->set_camera(camera);
+}
+
+void VolumeTechnique::render(glm::uvec2 size, bool hurry) {
+    const bool caches = mode() == VolumeMode::caching;
+    const bool gather = options_.method.gather && !(caches && hurry);
+    if (!gi_) {
+        VolumeGiParams params = volume_gi_params(options_.method, mode());
+        params.width = size.x;
+        params.height = size.y;
+        params.gather = gather;
+        params.keep_on_iso = true;
+        gi_ = std::make_unique<VolumeGi>(device_, source_.volume, source_.transfer,
+            source_.environment, source_.view, camera_, params);
+    } else if (size != size_ || gather != gather_) {
+        gi_->set_picture(size.x, size.y, gather);
+    }
+    size_ = size;
+    gather_ = gather;
+    gi_->set_refining(!hurry);
+    const bool last = gi_->steps() >= static_cast<std::uint64_t>(options_.steps);
+    if (last)
+        gi_->drain(); // what long paths have left undone
+    else
+        gi_->execute();
+    finished_ =
+        !hurry && gi_->steps() >= static_cast<std::uint64_t>(options_.steps) && gi_->finished();
+}
+
+std::vector<std::string> VolumeTechnique::overlays() const { return {}; }
+
+std::optional<Overlay> VolumeTechnique::overlay(const std::string&) { return {}; }
+
+std::vector<std::pair<std::string, std::string>> VolumeTechnique::facts() {
+    const Volume& v = source_.volume;
+    std::vector<std::pair<std::string, std::string>> facts{
+        {"voxels", fmt::format("{} x {} x {} {}", v.dims.x, v.dims.y, v.dims.z, name_of(v.type))},
+        {"values", fmt::format("{:.5g} to {:.5g}", histogram_.low, histogram_.high)}};
+    if (!gi_) return facts;
+    const VolumeStatistics s = gi_->statistics();
+    facts.emplace_back("steps", fmt::format("{} of {}", gi_->steps(), options_.steps));
+    if (s.relative_error && gi_->steps() > 1)
+        facts.emplace_back("noise", fmt::format("{:.2g} % of the mean", 100 * *s.relative_error));
+    if (s.cells > 0)
+        facts.emplace_back("cache", fmt::format("{} cells, {:.0f} MiB, {}", s.cells,
+                                        static_cast<double>(s.cell_bytes) / (1 << 20),
+                                        s.cache_converged ? "done" : "refining"));
+    return facts;
+}
+
+std::vector<PassTime> VolumeTechnique::times() {
+    return gi_ ? gi_->executor().times() : std::vector<PassTime>{};
+}
+
+} // namespace ockham::viewer

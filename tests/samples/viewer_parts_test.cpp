@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the viewer is made of, without a window: cameras that are moved, sliders from declarations,
+// what is shown of pictures, sizes in haste, what kind of thing a file is.
+#include "framework/core/false_color.hpp"
+#include "samples/viewer/viewer.hpp"
+#include "samples/viewer/widgets.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace ockham::viewer {
+namespace {
+
+float angle(glm::vec3 a, glm::vec3 b) { return std::acos(glm::clamp(glm::dot(a, b), -1.0f, 1.0f)); }
+
+TEST(Navigation, OrbitsAroundThePivotAndStaysUpright) {
+    for (const UpAxis up : {UpAxis::y, UpAxis::z}) {
+        const glm::vec3 pivot(1, 2, 3),
+            axis = up == UpAxis::y ? glm::vec3(0, 1, 0) : glm::vec3(0, 0, 1);
+        Navigation navigation;
+        navigation.reset(look_at({4, 5, 7}, pivot, 40, up), pivot, 2, up);
+        const float distance = glm::distance(navigation.camera().position, pivot);
+        for (int i = 0; i < 50; ++i) {
+            navigation.orbit(0.3f, i % 2 ? 0.5f : -0.2f); // runs into the pole
+            const Camera& c = navigation.camera();
+            EXPECT_NEAR(glm::distance(c.position, pivot), distance, 1e-4f);
+            EXPECT_LT(angle(c.forward, glm::normalize(pivot - c.position)), 1e-3f);
+            EXPECT_NEAR(glm::length(c.up), 1.0f, 1e-5f);
+            EXPECT_NEAR(glm::dot(c.up, c.forward), 0.0f, 1e-5f);
+            EXPECT_GT(glm::dot(c.up, axis), 0.0f);
+        }
+    }
+}
+
+TEST(Navigation, OrbitTurnsByTheAngleAsked) {
+    Navigation navigation;
+    navigation.reset(look_at({0, 0, 5}, glm::vec3(0), 40), glm::vec3(0), 1, UpAxis::y);
+    navigation.orbit(0.5f, 0);
+    EXPECT_NEAR(angle(navigation.camera().forward, {0, 0, -1}), 0.5f, 1e-5f);
+    EXPECT_GT(navigation.camera().forward.x, 0.0f); // to the right
+    navigation.orbit(-0.5f, 0.25f);
+    EXPECT_NEAR(navigation.camera().forward.y, std::sin(0.25f), 1e-5f);
+}
+
+TEST(Navigation, ZoomsTowardThePivotAndNeverThroughIt) {
+    Navigation navigation;
+    navigation.reset(look_at({0, 0, 5}, glm::vec3(0), 40), glm::vec3(0), 1, UpAxis::y);
+    navigation.zoom(0.5f);
+    EXPECT_NEAR(navigation.camera().position.z, 2.5f, 1e-6f);
+    for (int i = 0; i < 100; ++i) navigation.zoom(0.5f);
+    EXPECT_GT(navigation.camera().position.z, 0.0f);
+}
+
+TEST(Navigation, TheCameraAsTextIsTheCamera) {
+    Navigation navigation;
+    navigation.reset(look_at({1, 2, 3}, {0, 0, 0}, 35), glm::vec3(0), 1, UpAxis::y);
+    navigation.orbit(0.7f, 0.1f);
+    navigation.pan(0.2f, -0.1f);
+    const Camera& c = navigation.camera();
+    const std::optional<Camera> read =
+        parse_camera(camera_text(c, navigation.distance()), UpAxis::y);
+    ASSERT_TRUE(read.has_value());
+    EXPECT_LT(glm::distance(read->position, c.position), 1e-4f);
+    EXPECT_LT(angle(read->forward, c.forward), 1e-3f);
+    EXPECT_EQ(read->fov_y_degrees, 35.0f);
+}
+
+TEST(SliderRange, ReachesWhatIsDeclaredOrWhatCanBeDraggedIn) {
+    float share = 0.3f, price = 1.5e-5f, gain = 1;
+    int m = 4, stall = 0;
+    Params params;
+    const SliderRange r = slider_range(params.add("share", &share, "").range(0, 1));
+    EXPECT_EQ(r.low, 0);
+    EXPECT_EQ(r.high, 1);
+    EXPECT_FALSE(r.logarithmic);
+    const SliderRange w = slider_range(params.add("m", &m, "").range(1, 8));
+    EXPECT_EQ(w.low, 1);
+    EXPECT_EQ(w.high, 8);
+    const Param& lambda =
+        params.add("lambda", &price, "").range(0, std::numeric_limits<double>::infinity());
+    EXPECT_TRUE(slider_range(lambda).logarithmic);
+    EXPECT_GT(slider_range(lambda).high, price);
+    EXPECT_LT(slider_range(lambda).high, 1);
+    price = 7; // typed
+    EXPECT_EQ(slider_range(lambda).high, 7);
+    price = std::numeric_limits<float>::infinity();
+    EXPECT_TRUE(std::isfinite(slider_range(lambda).high));
+    EXPECT_GE(slider_range(params.add("gain", &gain, "").range(0, 1e6)).high, 10);
+    EXPECT_LE(slider_range(params.add("stall", &stall, "").range(0, 500000)).high, 500000);
+}
+
+Image flat(int width, int height, float value) {
+    Image image(width, height, {"R", "G", "B", "A"});
+    for (int c = 0; c < 4; ++c) std::ranges::fill(image.plane(c), value);
+    return image;
+}
+
+TEST(Canvas, ShowsPicturesAsTheyAreWritten) {
+    Image image = flat(3, 1, 0);
+    const float values[] = {0.5f, 2.0f, std::numeric_limits<float>::quiet_NaN()};
+    for (int x = 0; x < 3; ++x) image.at(x, 0, 0) = values[x];
+    const Canvas canvas = compose(image, nullptr, nullptr, {});
+    EXPECT_EQ(canvas.rgba[0], std::lround(255 * srgb_encode(0.5f)));
+    EXPECT_EQ(canvas.rgba[4], 255);
+    EXPECT_EQ(canvas.rgba[8], 0);
+    const Canvas darker = compose(image, nullptr, nullptr, {.exposure = -1});
+    EXPECT_EQ(darker.rgba[0], std::lround(255 * srgb_encode(0.25f)));
+    EXPECT_NE(canvas.version, darker.version);
+}
+
+TEST(Canvas, WipesBetweenPicturesOfAnySize) {
+    const Image black = flat(10, 2, 0), white = flat(5, 1, 1);
+    const Canvas canvas = compose(black, &white, nullptr, {.wipe = 0.3f});
+    for (int x = 0; x < 10; ++x)
+        EXPECT_EQ(canvas.rgba[static_cast<std::size_t>(4 * x)], x < 3 ? 0 : 255) << x;
+}
+
+TEST(Canvas, LaysFalseColourOverTheLeftPicture) {
+    const Image black = flat(4, 1, 0), white = flat(4, 1, 1);
+    Overlay overlay{"k", "", Image(2, 1, {"k"}), 1, 16};
+    overlay.values.at(0, 0, 0) = 1;
+    overlay.values.at(1, 0, 0) = 16;
+    const Canvas canvas = compose(black, &white, &overlay, {.wipe = 0.75f, .overlay = 1});
+    const Rgb8 low = false_color(0), high = false_color(1);
+    EXPECT_EQ(canvas.rgba[0], low.r);
+    EXPECT_EQ(canvas.rgba[2 * 4 + 1], high.g);
+    EXPECT_EQ(canvas.rgba[3 * 4], 255);
+}
+
+TEST(Canvas, CountsCodesOfDifference) {
+    Image a = flat(2, 1, 0), b = flat(2, 1, 0);
+    b.at(1, 0, 1) = 1;
+    const Image error = code_error(a, b, {});
+    EXPECT_EQ(error.at(0, 0, 0), 0);
+    EXPECT_EQ(error.at(1, 0, 0), 255);
+}
+
+TEST(HurryScale, FindsPicturesThatAreFastEnough) {
+    for (const double full : {30.0, 400.0, 2000.0}) { // ms of the whole picture
+        HurryScale scale;
+        const auto cost = [&] { return 10 + full / (scale.divisor() * scale.divisor()); };
+        for (int i = 0; i < 40; ++i) scale.add(cost());
+        EXPECT_LT(cost(), 200) << full;
+        const int settled = scale.divisor();
+        for (int i = 0; i < 10; ++i) scale.add(cost());
+        EXPECT_EQ(scale.divisor(), settled) << full;
+        if (full == 30.0) {
+            EXPECT_EQ(settled, 1);
+        }
+    }
+}
+
+TEST(Kinds, ComeFromNames) {
+    EXPECT_EQ(kind_of("a/b.gltf"), Kind::surface);
+    EXPECT_EQ(kind_of("b.glb"), Kind::surface);
+    EXPECT_EQ(kind_of("builtin:wires"), Kind::surface);
+    EXPECT_EQ(kind_of("builtin:cloud"), Kind::volume);
+    EXPECT_EQ(kind_of("scan.nii.gz"), Kind::volume);
+    EXPECT_EQ(kind_of("dicom_folder"), Kind::volume);
+}
+
+TEST(Kinds, ValuesOfFlagsAreNoSources) {
+    std::vector<std::string> words{"viewer", "--rig", "r.json", "--strict", "x.glb", "-o", "y.png",
+        "--iso=300", "--transfer", "t.json"};
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    EXPECT_EQ(
+        positionals(static_cast<int>(argv.size()), argv.data()), std::vector<std::string>{"x.glb"});
+}
+
+} // namespace
+} // namespace ockham::viewer
