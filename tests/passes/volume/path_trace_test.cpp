@@ -404,6 +404,18 @@ TEST_F(PathTraceTest, LocalMajorantsModesAndLightSamplingDoNotChangeTheMean) {
     EXPECT_LT(double(local.statistics.steps), 1.01 * double(global.statistics.steps));
 }
 
+TEST_F(PathTraceTest, LocalMajorantsSaveStepsWhereMostIsEmpty) {
+    Case it = busy();
+    it.volume = float_volume(glm::uvec3(32),
+        [](glm::uvec3 voxel) { return glm::length(glm::dvec3(voxel) - 15.5) < 5 ? 1.0 : 0.01; });
+    const Result local = trace(it);
+    it.options.view.seed = 2;
+    it.global_majorant = true;
+    const Result global = trace(it);
+    Family(1).expect(local.mean[0], global.mean[0], "global majorant");
+    EXPECT_LT(double(local.statistics.steps), 0.5 * double(global.statistics.steps));
+}
+
 TEST_F(PathTraceTest, SampledSkyAgreesWithTheSkyMetByChance) {
     Case it = busy();
     it.options.environment = Image(8, 4, {"R", "G", "B"});
