@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <new>
 #include <sstream>
@@ -32,7 +33,12 @@ void on_interrupt(int) {
 std::string help_of(const Param& param) {
     std::string text = param.help;
     if (!param.allowed.empty()) text += fmt::format(" [{}]", fmt::join(param.allowed, "|"));
-    if (!param.unit_name.empty()) text += fmt::format(" ({})", param.unit_name);
+    const std::string& unit = param.unit_name;
+    if (std::isfinite(param.low) || std::isfinite(param.high)) {
+        text += fmt::format("; {} ... {}{}", param.low, param.high, unit.empty() ? "" : " " + unit);
+    } else if (!unit.empty()) {
+        text += fmt::format(" ({})", unit);
+    }
     if (!param.is_flag() && !param.default_text.empty()) {
         text += fmt::format("; default {}", param.default_text);
     }
