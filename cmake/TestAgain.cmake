@@ -16,6 +16,8 @@ set(OCKHAM_NOT_ON_SWIFTSHADER
   CacheTest.MarksThatTheDeviceCannotBindAreRefusedWithNumbers
   # Hundreds of kernels, compiled when their pipelines are made: not done after 80 s.
   RandomExecutionTest.* RandomExecutionNightly.*
+  # Every method with cheap and stalled shading: a hundred kernels.
+  ChartProgramTest.AntiAliasingHasEveryCurveOnATinyPicture
   # Reflection at millions of directions: each takes a minute.
   IsoBsdfTest.DensitiesIntegrateToOneAndAlbedosStayBelowIt
   IsoBsdfTest.SamplesHaveTheirWeightsDensitiesAndDistribution

@@ -6,6 +6,7 @@
 #include "framework/image_error/flip.hpp"
 #include "framework/image_error/image_error.hpp"
 #include "framework/image_error/mse.hpp"
+#include "framework/scene/builtin.hpp"
 #include "samples/chart/aa_limits.hpp"
 #include "samples/chart/aa_sweep.hpp"
 
@@ -208,6 +209,15 @@ private:
     Values error_;
 };
 
+/// Before anything is measured; files are looked for when jobs take their fingerprints.
+void refuse_unknown(const std::string& source) {
+    if (!source.starts_with("builtin:")) return;
+    const auto names = builtin_scenes();
+    const auto is_it = [&](const BuiltinName& known) { return known.name == source.substr(8); };
+    if (std::none_of(names.begin(), names.end(), is_it))
+        (void)builtin_scene(source.substr(8)); // says which there are
+}
+
 class AaSuite : public Suite {
 public:
     explicit AaSuite(Context& context) : context_(context) {
@@ -218,6 +228,7 @@ public:
                 sources_.push_back(more);
         }
         for (const std::string& source : sources_) {
+            refuse_unknown(source);
             std::string label = source.starts_with("builtin:")
                                     ? source.substr(8)
                                     : std::filesystem::path(source).stem().string();

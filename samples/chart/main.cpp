@@ -124,6 +124,8 @@ int run(int argc, char** argv) {
         {"program", fmt::format("Ockham {}, commit {}", version(), commit())},
         {"processor", cpu_name()}};
     const std::vector<std::unique_ptr<Suite>> suites = make_suites(names, context, manifest);
+    for (const auto& suite : suites)
+        (void)suite->jobs(); // refuses bad input before a folder is made
     Store store(o.out);
     manifest.emplace_back("load average before", load_average());
     const bool complete = run_suites(suites, context, store);

@@ -47,6 +47,7 @@ std::string anchor(const std::string& text) {
 }
 
 bool is_number(const std::string& cell) {
+    if (cell == "∞") return true;
     return cell.find_first_of("0123456789") != std::string::npos &&
            cell.find_first_not_of("0123456789.,+-−–e%×± ∞") == std::string::npos;
 }

@@ -25,9 +25,9 @@ struct Axis {
 
 struct PlotPoint {
     Spread x, y;
-    std::string setting; ///< for the table: "lambda 1e-05"
-    std::string command;
-    std::vector<double> x_values, y_values; ///< of the repeats
+    std::string setting{}; ///< for the table: "1e-05"
+    std::string command{};
+    std::vector<double> x_values{}, y_values{}; ///< of the repeats
 };
 
 struct Curve {
