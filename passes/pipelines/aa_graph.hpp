@@ -61,6 +61,7 @@ struct AdaptiveAaParams {
     std::optional<GbufferLayout> gbuffer; ///< empty: packed if it fits, else visibility
     glm::uvec2 tile{0};                   ///< largest screen tile, pixels; 0: as much as fits
     const ScreenTile* view = nullptr;     ///< of the G-buffer; AdaptiveAa's own
+    glm::uvec2 part_of{0};                ///< the picture is a part of one of that size; 0: of none
     std::uint32_t stall = 0;              ///< dependent FMAs per shaded sample
     std::uint32_t anisotropy = 16;        ///< 1 ... 16
     bool aov = false;                     ///< export k, winner, S, depth, normal, material too

@@ -57,15 +57,17 @@ AdaptiveAa::AdaptiveAa(
                     "--dispatch depth does the same without it",
             device.info().name);
     }
+    if (params_.part_of.x > 0) params_.gbuffer = GbufferLayout::visibility; // as screen tiles
     fit_ = choose_fit(device);
     const glm::uvec2 picture(params_.width, params_.height);
     tiles_ = place_tiles(picture, fit_.tile, apron_of(params_), block_of(params_));
-    if (tiles_.size() > 1) view_ = std::make_unique<ScreenTile>();
+    if (tiles_.size() > 1 || params_.part_of.x > 0) view_ = std::make_unique<ScreenTile>();
     if (!fit_.reason.empty()) {
         log::warning("{}: {}", fit_.reason,
-            view_ ? fmt::format("drawn in {} tiles of {} x {} pixels, --gbuffer visibility",
-                        tiles_.size(), fit_.tile.x, fit_.tile.y)
-                  : "--gbuffer visibility instead");
+            tiles_.size() > 1
+                ? fmt::format("drawn in {} tiles of {} x {} pixels, --gbuffer visibility",
+                      tiles_.size(), fit_.tile.x, fit_.tile.y)
+                : "--gbuffer visibility instead");
     }
     constexpr std::uint64_t kBytes = sizeof(shader::FrameData);
     frame_ = std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = kBytes,
@@ -186,10 +188,19 @@ std::string AdaptiveAa::obstacle(gpu::Device& device, const Fit& fit) const {
 }
 
 void AdaptiveAa::set_camera(const Camera& camera) {
-    whole_ = make_frame(lit_->scene(), lit_->gpu().bounds(), camera,
-        static_cast<int>(params_.width), static_cast<int>(params_.height),
-        static_cast<int>(params_.m), params_.order, LitScene::kShadowMapSize);
+    const glm::uvec2 all =
+        params_.part_of.x > 0 ? params_.part_of : glm::uvec2(params_.width, params_.height);
+    whole_ = make_frame(lit_->scene(), lit_->gpu().bounds(), camera, static_cast<int>(all.x),
+        static_cast<int>(all.y), static_cast<int>(params_.m), params_.order,
+        LitScene::kShadowMapSize);
     aim(tiles_.front());
+}
+
+void AdaptiveAa::set_origin(glm::uvec2 origin) {
+    check(params_.part_of.x >= origin.x + params_.width &&
+              params_.part_of.y >= origin.y + params_.height,
+        "a part lies inside its picture");
+    origin_ = origin;
 }
 
 void AdaptiveAa::aim(const TilePlacement& tile) {
@@ -197,8 +208,8 @@ void AdaptiveAa::aim(const TilePlacement& tile) {
     if (params_.method == AaMethod::taa) set_jitter(frame, taa_jitter(executed_));
     if (view_) {
         frame.size = fit_.tile;
-        frame.origin = tile.origin;
-        *view_ = {tile.origin, frame.picture};
+        frame.origin = origin_ + tile.origin;
+        *view_ = {frame.origin, frame.picture};
         // Viewports have limits too. Past them, the tile alone is projected; no driver can render
         // such a picture whole, so that nothing need equal it.
         if (std::max(frame.picture.x, frame.picture.y) * params_.m > max_extent_) {

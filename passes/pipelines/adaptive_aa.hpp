@@ -25,6 +25,9 @@ public:
     void execute();
     /// Looks from elsewhere from the next execution on. The plan stays as it is.
     void set_camera(const Camera& camera);
+    /// Where the part lies whose size is the picture's, from the next execution on; zero at first.
+    /// With AdaptiveAaParams::part_of only.
+    void set_origin(glm::uvec2 origin);
     const AdaptiveAaOutputs& outputs() const { return outputs_; }
     Executor& executor() { return *executor_; }
     /// R, G, B (linear radiance) and A of the last execution.
@@ -63,6 +66,7 @@ private:
     std::uint32_t max_extent_; ///< of attachments and viewports
     Fit fit_;
     std::vector<TilePlacement> tiles_;
+    glm::uvec2 origin_{0};                              ///< of all tiles, where it is a part
     std::unique_ptr<ScreenTile> view_;                  ///< null: one tile, the whole picture
     shader::FrameData whole_{};                         ///< of the whole picture, before any jitter
     std::uint32_t executed_ = 0;                        ///< frames so far

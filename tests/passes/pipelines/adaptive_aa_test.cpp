@@ -105,6 +105,47 @@ struct Size {
 };
 constexpr Size kSizes[] = {{1, 1}, {7, 5}, {33, 21}};
 
+TEST_F(AdaptiveAaTest, APartIsThatPartOfThePicture) {
+    AdaptiveAaParams whole = params(40, 30, 1, AaMethod::none);
+    whole.gbuffer = GbufferLayout::visibility;
+    const Image all = render(whole);
+    AdaptiveAaParams p = params(8, 6, 1, AaMethod::none);
+    p.part_of = {40, 30};
+    AdaptiveAa part(device(), varied(), camera(), p);
+    for (const glm::uvec2 origin : {glm::uvec2(0, 0), glm::uvec2(13, 9), glm::uvec2(32, 24)}) {
+        part.set_origin(origin);
+        part.execute();
+        Image wanted(8, 6, all.channels());
+        for (int y = 0; y < 6; ++y)
+            for (int x = 0; x < 8; ++x)
+                for (int c = 0; c < 4; ++c)
+                    wanted.at(x, y, c) =
+                        all.at(x + static_cast<int>(origin.x), y + static_cast<int>(origin.y), c);
+        EXPECT_TRUE(equal_bits(part.picture(), wanted)) << origin.x << " " << origin.y;
+    }
+}
+
+TEST_F(AdaptiveAaTest, APartOfManyPixelsHasTheSamplesOfOne) {
+    constexpr int kM = 3;
+    AdaptiveAaParams p = params(13, 9, kM, AaMethod::ssaa);
+    p.gbuffer = GbufferLayout::visibility;
+    const Image picture = render(p);
+    AdaptiveAaParams q = params(kM, kM, 1, AaMethod::none);
+    q.part_of = {13 * kM, 9 * kM};
+    AdaptiveAa samples(device(), varied(), camera(), q);
+    for (const glm::ivec2 pixel : {glm::ivec2(2, 3), glm::ivec2(6, 5), glm::ivec2(11, 7)}) {
+        samples.set_origin(glm::uvec2(kM * pixel));
+        samples.execute();
+        const Image of_pixel = samples.picture();
+        for (int c = 0; c < 4; ++c) {
+            float sum = 0;
+            for (const float value : of_pixel.plane(c)) sum += value;
+            const float mean = sum / (kM * kM);
+            EXPECT_NEAR(picture.at(pixel.x, pixel.y, c), mean, 1e-5f * std::max(1.0f, mean));
+        }
+    }
+}
+
 TEST_F(AdaptiveAaTest, SceneShowsWhatTheIdentitiesAreAbout) {
     const AdaptiveAaParams p = params(64, 48, 4, AaMethod::adaptive);
     AdaptiveAa aa(device(), varied(), camera(), p);
