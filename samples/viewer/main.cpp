@@ -5,6 +5,10 @@
 #include "samples/viewer/viewer.hpp"
 #include "samples/viewer/widgets.hpp"
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 using namespace ockham;
 using namespace ockham::viewer;
 
@@ -14,6 +18,17 @@ constexpr const char* kDescription =
     "Shows a scene or a volume in a window. The flags are those of adaptive_aa or volume_gi, by "
     "what "
     "is shown; for a volume's, give one: viewer builtin:cloud --help";
+
+/// A bare `viewer` goes on where the last session ended.
+std::vector<std::string> words_of(int argc, char** argv) {
+    std::vector<std::string> words(argv, argv + argc);
+    std::error_code failed;
+    if (argc == 1 && std::filesystem::exists(session_path(), failed)) {
+        words.insert(words.end(), {"--config", session_path().string()});
+        log::info("the last session, '{}'; for another name a scene or a volume", words.back());
+    }
+    return words;
+}
 
 int view(int argc, char** argv) {
     auto subject = std::make_unique<Subject>(kind_of_command(argc, argv));
@@ -42,5 +57,11 @@ int view(int argc, char** argv) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_program([&] { return view(argc, argv); });
+    return run_program([&] {
+        std::vector<std::string> words = words_of(argc, argv);
+        std::vector<char*> pointers;
+        for (std::string& word : words) pointers.push_back(word.data());
+        pointers.push_back(nullptr);
+        return view(static_cast<int>(words.size()), pointers.data());
+    });
 }

@@ -25,6 +25,7 @@ Kind kind_of(const std::string& source) {
 Subject::Subject(Kind which) : kind(which) {
     common.width = 1280;
     common.height = 720;
+    volume.method.cache_scale = 4; // a person waits for it
     if (kind == Kind::surface)
         declare(params, surface);
     else
@@ -110,7 +111,23 @@ void save_run_file(const std::filesystem::path& path, Subject& subject, const st
     json["camera"] = camera;
     json["width"] = size.x;
     json["height"] = size.y;
+    if (subject.drawn) {
+        const std::filesystem::path file =
+            std::filesystem::absolute(path).replace_extension("").string() + "_transfer.json";
+        save_transfer(file, *subject.drawn);
+        json["transfer"] = file.string();
+        json["window"] = "";
+    }
     write_text(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+void save_transfer(const std::filesystem::path& path, const TransferFunction& transfer) {
+    nlohmann::ordered_json points = nlohmann::ordered_json::array();
+    const auto list = [](glm::dvec3 v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+    for (const TransferPoint& point : transfer.points)
+        points.push_back({{"value", point.value}, {"opacity", point.opacity},
+            {"color", list(point.color)}, {"emission", list(point.emission)}});
+    write_text(path, nlohmann::ordered_json{{"points", points}}.dump(2) + "\n");
 }
 
 std::filesystem::path session_path() {

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,8 @@ struct Subject {
     VolumeViewerOptions volume;
     int frames = 0;
     std::string screenshot;
-    Params params; ///< points to the above
+    std::optional<TransferFunction> drawn; ///< in place of --transfer
+    Params params;                         ///< points to the above
     std::unique_ptr<Technique> technique;
 };
 
@@ -44,9 +46,13 @@ std::vector<std::string> positionals(int argc, char** argv);
 Kind kind_of_command(int argc, char** argv);
 
 /// The parameters of `subject` as a run file of Technique::program(), with `camera` and the
-/// picture's size in place of the window's.
+/// picture's size in place of the window's. A transfer function that was drawn goes to a file
+/// beside it, NAME_transfer.json.
 void save_run_file(const std::filesystem::path& path, Subject& subject, const std::string& camera,
     glm::ivec2 size);
+
+/// In the form of load_transfer(). Throws Error(input) naming the file.
+void save_transfer(const std::filesystem::path& path, const TransferFunction& transfer);
 
 /// Where the last session is kept: $XDG_CONFIG_HOME/ockham/viewer.json or under ~/.config; empty
 /// where neither is set.

@@ -65,11 +65,18 @@ SurfaceTechnique::SurfaceTechnique(
     camera_ = stage().camera;
 }
 
+SurfaceTechnique::SurfaceTechnique(gpu::Device& device, const CommonOptions& common,
+    std::shared_ptr<const LitScene> lit, const SurfaceOptions& options)
+    : device_(device), common_(common), own_(options), options_(*own_), lit_(std::move(lit)) {
+    change({});
+    camera_ = stage().camera;
+}
+
 void SurfaceTechnique::load() {
     Scene scene = load_scenes(options_.scene, common_);
     forget();
     lit_.reset(); // before the next is uploaded
-    lit_ = std::make_unique<LitScene>(device_, std::move(scene));
+    lit_ = std::make_shared<const LitScene>(device_, std::move(scene));
 }
 
 std::string SurfaceTechnique::title() const {
@@ -104,6 +111,8 @@ void SurfaceTechnique::change(const std::vector<std::string>& names) {
 void SurfaceTechnique::forget() {
     hasty_ = {};
     full_ = {};
+    clusters_ = {};
+    samples_ = {};
     shown_ = nullptr;
     frames_ = 0;
     finished_ = false;
@@ -138,7 +147,7 @@ void SurfaceTechnique::render(glm::uvec2 size, bool hurry) {
 }
 
 std::vector<std::string> SurfaceTechnique::overlays() const {
-    return {"k", "winner", "lane use", "normal", "depth", "material"};
+    return {"k", "winner", "clusters", "lane use", "normal", "depth", "material"};
 }
 
 void SurfaceTechnique::want_overlay(const std::string& name) {
@@ -158,10 +167,14 @@ std::optional<Overlay> SurfaceTechnique::overlay(const std::string& name) {
         return Overlay{name, "useful share of 8 lanes, were each to loop over its own pixel",
             lane_use(counts), 0, 1};
     }
+    if (name == "clusters")
+        return Overlay{name, "surfaces that a pixel sees, up to 4", cluster_counts(), 1, 4};
     if (!params_.aov || !out.aov_surface) return {};
     if (name == "winner" && out.winner)
-        return Overlay{name, "what decided: 0 none, then depth, normal, shading",
-            channel_of(shown_->read(out.winner), 0), 0, 3};
+        return Overlay{name,
+            "what asked for samples: 0 nothing, 1 depth, 2 normals, 3 shading, 4 several surfaces, "
+            "5 variation",
+            channel_of(shown_->read(out.winner), 0), 0, 5};
     if (name == "normal")
         return Overlay{name, "world normal, -1 to 1 as colour",
             colors_of(shown_->read(out.aov_surface), -1, 1)};
@@ -183,6 +196,76 @@ std::optional<Overlay> SurfaceTechnique::overlay(const std::string& name) {
         return overlay;
     }
     return {};
+}
+
+/// By the method that takes a sample of each: its counts are what is wanted.
+Image SurfaceTechnique::cluster_counts() {
+    const Image shown = shown_->picture();
+    const glm::uvec2 size(shown.width(), shown.height());
+    if (!clusters_.aa || clusters_.size != size) {
+        AdaptiveAaParams params;
+        params.width = size.x;
+        params.height = size.y;
+        params.m = std::max(params_.m, 2u);
+        params.method = AaMethod::cluster;
+        params.export_counts = true;
+        clusters_ = {};
+        clusters_ = {std::make_unique<AdaptiveAa>(device_, *lit_, camera_, params), size};
+    }
+    clusters_.aa->set_camera(camera_);
+    clusters_.aa->execute();
+    return channel_of(clusters_.aa->read(clusters_.aa->outputs().sample_count), 0);
+}
+
+/// Pixels of a picture m times as large are samples of this one.
+std::optional<SampleGrid> SurfaceTechnique::samples(glm::ivec2 pixel) {
+    if (!shown_ || filters_picture(params_.method)) return {};
+    const Image shown = shown_->picture();
+    const glm::uvec2 size(shown.width(), shown.height());
+    if (glm::any(glm::greaterThanEqual(glm::uvec2(pixel), size))) return {};
+    const AdaptiveAaParams all = settled(params_);
+    const std::uint32_t m = all.m;
+    if (!samples_.aa || samples_.size != size) {
+        AdaptiveAaParams params;
+        params.width = params.height = m;
+        params.m = 1;
+        params.method = AaMethod::none;
+        params.anisotropy = params_.anisotropy;
+        params.part_of = m * size;
+        samples_ = {};
+        samples_ = {std::make_unique<AdaptiveAa>(device_, *lit_, camera_, params), size};
+    }
+    samples_.aa->set_camera(camera_);
+    samples_.aa->set_origin(m * glm::uvec2(pixel));
+    samples_.aa->execute();
+    const Image image = samples_.aa->picture();
+
+    SampleGrid grid{.m = m, .radiance = {}, .ranks = std::vector<std::uint32_t>(m * m), .count = 1};
+    for (std::size_t i = 0; i < m * m; ++i)
+        grid.radiance.emplace_back(image.plane(0)[i], image.plane(1)[i], image.plane(2)[i]);
+    for (std::uint32_t rank = 0; rank < m * m; ++rank) grid.ranks[all.order[rank]] = rank;
+    if (shown_->outputs().sample_count && needs_counts(all)) {
+        const Image counts = shown_->read(shown_->outputs().sample_count);
+        grid.count = static_cast<std::uint32_t>(counts.at(pixel.x, pixel.y, 0));
+    } else if (all.method == AaMethod::uniform || all.method == AaMethod::ssaa) {
+        grid.count = all.k;
+    }
+    return grid;
+}
+
+std::vector<std::string> SurfaceTechnique::rivals() const {
+    Params params;
+    AaOptions options;
+    add_aa_options(params, options);
+    return params.find("method")->allowed;
+}
+
+std::unique_ptr<Technique> SurfaceTechnique::rival(const std::string& name) {
+    SurfaceOptions options = options_;
+    options.method.method = name;
+    auto other = std::make_unique<SurfaceTechnique>(device_, common_, lit_, options);
+    other->set_camera(camera_);
+    return other;
 }
 
 std::vector<std::pair<std::string, std::string>> SurfaceTechnique::facts() {

@@ -24,6 +24,10 @@ public:
     SurfaceTechnique(
         gpu::Device& device, const CommonOptions& common, const SurfaceOptions& options);
 
+    /// The same scene by other options.
+    SurfaceTechnique(gpu::Device& device, const CommonOptions& common,
+        std::shared_ptr<const LitScene> lit, const SurfaceOptions& options);
+
     const char* program() const override { return "adaptive_aa"; }
     std::string title() const override;
     Stage stage() const override;
@@ -35,6 +39,9 @@ public:
     std::vector<std::string> overlays() const override;
     void want_overlay(const std::string& name) override;
     std::optional<Overlay> overlay(const std::string& name) override;
+    std::optional<SampleGrid> samples(glm::ivec2 pixel) override;
+    std::vector<std::string> rivals() const override;
+    std::unique_ptr<Technique> rival(const std::string& name) override;
     std::vector<std::pair<std::string, std::string>> facts() override;
     Executor* executor() override { return shown_ ? &shown_->executor() : nullptr; }
     std::vector<PassTime> times() override;
@@ -48,14 +55,18 @@ private:
     void load();
     void forget();
     AdaptiveAa& slot(glm::uvec2 size, bool hurry);
+    Image cluster_counts();
 
     gpu::Device& device_;
     const CommonOptions& common_;
+    std::optional<SurfaceOptions> own_; ///< of a rival
     const SurfaceOptions& options_;
-    std::unique_ptr<LitScene> lit_;
+    std::shared_ptr<const LitScene> lit_;
     AdaptiveAaParams params_;
     Camera camera_;
     Slot hasty_, full_;
+    Slot samples_;  ///< of one pixel of a picture of that size
+    Slot clusters_; ///< one sample for each surface: its counts are an overlay
     AdaptiveAa* shown_ = nullptr;
     std::string wanted_;
     int frames_ = 0; ///< of one view, that is not in a hurry

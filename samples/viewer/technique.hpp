@@ -7,7 +7,9 @@
 #include "framework/runtime/executor.hpp"
 #include "framework/scene/camera.hpp"
 #include "samples/viewer/canvas.hpp"
+#include "samples/viewer/loupe.hpp"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -51,6 +53,13 @@ public:
     virtual std::vector<std::string> overlays() const = 0;
     virtual void want_overlay(const std::string& name) = 0;
     virtual std::optional<Overlay> overlay(const std::string& name) = 0;
+
+    /// The samples of one pixel of the picture; nothing where it has none that are known by place.
+    virtual std::optional<SampleGrid> samples(glm::ivec2) { return {}; }
+
+    /// Other ways to the same picture, by name, and one of them with all else equal: B of an A/B.
+    virtual std::vector<std::string> rivals() const = 0;
+    virtual std::unique_ptr<Technique> rival(const std::string& name) = 0;
 
     /// (label, value) for people, of the last step.
     virtual std::vector<std::pair<std::string, std::string>> facts() = 0;

@@ -14,7 +14,6 @@
 namespace ockham::viewer {
 namespace {
 
-constexpr int kPanelWidth = 352, kStatusHeight = 28;
 constexpr double kSettle = 0.25; ///< seconds without input, after which all counts as still
 constexpr float kRadiansPerPixel = 0.006f;
 
@@ -37,7 +36,10 @@ Viewer::Viewer(
     : window_(window), device_(device), presenter_(presenter) {
     open(std::move(subject));
     if (!subject_->common.reference.empty()) load_reference(subject_->common.reference);
+    listen();
 }
+
+Viewer::~Viewer() { log::set_sink({}); }
 
 void Viewer::open(std::unique_ptr<Subject> subject) {
     subject->open(device_);
@@ -49,12 +51,15 @@ void Viewer::open(std::unique_ptr<Subject> subject) {
     camera_text_ = camera();
     fly_ = stage.inside;
     overlay_.clear();
+    loupe_.reset();
+    rival_.reset();
+    reference_.reset();
+    reference_name_.clear();
     dirty_ = true;
 }
 
 /// Errors of what a person does show in the window, and the viewer goes on.
-template <class Action>
-void Viewer::attempt(Action action) {
+void Viewer::attempt(const std::function<void()>& action) {
     try {
         action();
         if (message_is_error_) message_.clear(), message_is_error_ = false;
@@ -78,6 +83,7 @@ void Viewer::take_dropped() {
             auto next = std::make_unique<Subject>(kind);
             next->set_source(file);
             // Two scenes seldom fit the memory that one takes.
+            rival_.reset();
             subject_->technique.reset();
             try {
                 open(std::move(next));
@@ -93,9 +99,51 @@ void Viewer::take_dropped() {
 
 void Viewer::load_reference(const std::string& file) {
     reference_ = load_image(file);
+    rival_.reset();
     reference_name_ = file;
+    error_.reset();
     look_.wipe = 0.5f;
     redraw_ = true;
+}
+
+/// B by another method, with A's parameters as they are now.
+void Viewer::restart_rival() {
+    if (!rival_) return;
+    rival_.reset();
+    rival_ = subject_->technique->rival(reference_name_);
+    rival_->set_camera(navigation_.camera());
+    rival_steps_ = 0;
+    reference_.reset();
+    error_.reset();
+}
+
+/// A step of B, in the time that A leaves. True: there is another picture.
+bool Viewer::render_rival() {
+    if (!rival_ || hasty_ || hurries() || !rests() || frozen_ || picture_.empty() ||
+        (rival_steps_ > 0 && rival_->finished()))
+        return false;
+    attempt([&] {
+        rival_->render(glm::uvec2(picture_.width(), picture_.height()), false);
+        reference_ = rival_->picture();
+        ++rival_steps_;
+    });
+    redraw_ = true;
+    return true;
+}
+
+/// What is logged goes on to the terminal, and shows in the window where somebody should act.
+void Viewer::listen() {
+    log::set_sink([this](log::Level level, std::string_view text) {
+        if (!said_.emplace(text).second) return; // sliders would repeat it all the way
+        fmt::print(stderr, "{}\n", text);
+        if (level >= log::Level::warning) complaints_.emplace_back(text);
+        if (text.find("reloaded") != std::string_view::npos) dirty_ = true;
+    });
+}
+
+void Viewer::save_picture(const std::string& file) {
+    save_image(file, picture_, look_.exposure, look_.curve);
+    log::info("wrote {}", file);
 }
 
 std::string Viewer::camera() const {
@@ -106,11 +154,22 @@ bool Viewer::hurries() const {
     return subject_->frames == 0 && touched_ >= 0 && clock_.seconds() - touched_ < kSettle;
 }
 
+/// Long steps wait for a hand at rest: nothing is drawn before they end.
+bool Viewer::rests() const {
+    constexpr double kLong = 120, kRest = 0.4; // ms, seconds
+    return subject_->frames > 0 || full_ms_ < kLong || clock_.seconds() - input_ > kRest;
+}
+
 void Viewer::changed_camera() {
     touched_ = clock_.seconds();
     dirty_ = true;
     camera_text_ = camera();
     subject_->technique->set_camera(navigation_.camera());
+    error_.reset();
+    if (!rival_) return;
+    rival_->set_camera(navigation_.camera());
+    rival_steps_ = 0;
+    reference_.reset(); // it looks from elsewhere
 }
 
 void Viewer::changed_parameters(const std::vector<std::string>& names) {
@@ -122,9 +181,15 @@ void Viewer::changed_parameters(const std::vector<std::string>& names) {
     for (const std::string& name : names)
         if (!is_display(name)) others.push_back(name);
     if (others.empty()) return;
+    for (const std::string& name : others)
+        if (name == "transfer" || name == "window") subject_->drawn.reset();
     touched_ = clock_.seconds();
     dirty_ = true;
-    attempt([&] { subject_->technique->change(others); });
+    attempt([&] {
+        subject_->technique->change(others);
+        restart_rival();
+    });
+    error_.reset();
 }
 
 void Viewer::layout() {
@@ -134,6 +199,9 @@ void Viewer::layout() {
 
 void Viewer::handle_mouse() {
     const ImGuiIO& io = ImGui::GetIO();
+    const bool busy = io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0 ||
+                      ImGui::IsAnyMouseDown();
+    if (busy) input_ = clock_.seconds();
     if (io.WantCaptureMouse) return;
     const float right = io.MouseDelta.x, down = io.MouseDelta.y;
     const bool moved = right != 0 || down != 0;
@@ -161,6 +229,13 @@ void Viewer::handle_keys() {
     if (pressed('H')) panel_ = !panel_;
     if (pressed('F')) fly_ = !fly_;
     if (pressed('P')) frozen_ = !frozen_;
+    if (pressed('B')) flip_ = !flip_, redraw_ = true;
+    if (pressed('L') && !canvas_.rgba.empty()) {
+        const glm::vec2 mouse(io.MousePos.x, io.MousePos.y);
+        loupe_ = glm::clamp(glm::ivec2(mouse * glm::vec2(canvas_.size) / glm::vec2(area_)),
+            glm::ivec2(0), canvas_.size - 1);
+        samples_old_ = true;
+    }
     if (pressed('R')) {
         const Stage stage = subject_->technique->stage();
         navigation_.reset(stage.camera, stage.pivot, stage.scale, stage.up);
@@ -183,7 +258,7 @@ bool Viewer::render() {
     bool wants = dirty_ || (hasty_ && !hurry) || (!hurry && !technique.finished());
     if (subject_->frames > 0) wants = steps_ < subject_->frames;
     if (frozen_ || (message_is_error_ && !dirty_) || !wants) return false;
-    reload_shaders(device_);
+    if (!hurry && !rests()) return false;
     const glm::ivec2 size = glm::max(area_ / (hurry ? hurry_.divisor() : 1), glm::ivec2(8));
     attempt([&] {
         const Timer timer;
@@ -191,10 +266,11 @@ bool Viewer::render() {
         picture_ = technique.picture();
         render_ms_ = timer.milliseconds();
         hasty_ = hurry;
-        if (!hurry) ++steps_;
+        if (!hurry) ++steps_, full_ms_ = render_ms_;
     });
     dirty_ = false;
     redraw_ = true;
+    samples_old_ = true;
     return true;
 }
 
@@ -204,145 +280,35 @@ void Viewer::show() {
     look_.exposure = subject_->common.exposure;
     look_.curve = subject_->common.tonemap == "aces" ? Tonemap::aces : Tonemap::none;
     std::optional<Overlay> overlay;
-    if (!overlay_.empty()) {
+    legend_.clear();
+    if (!overlay_.empty() && !hasty_) {
         overlay = overlay_ == "error" && reference_
                       ? Overlay{"error", "codes of 255, of the worst channel",
                             code_error(picture_, *reference_, look_), 0, 64}
                       : subject_->technique->overlay(overlay_);
     }
-    canvas_ = compose(
-        picture_, reference_ ? &*reference_ : nullptr, overlay ? &*overlay : nullptr, look_);
-}
-
-void Viewer::draw_parameters() {
-    std::vector<std::string> changed;
-    std::string group;
-    bool open = false;
-    for (Param* param : subject_->params.all()) {
-        if (param->is_transient || param->group_name == "Run" || param->name == "camera" ||
-            param->name == "width" || param->name == "height")
-            continue;
-        if (param->group_name != group) {
-            group = param->group_name;
-            open = ImGui::CollapsingHeader(group.c_str(),
-                group == "Scene" ? ImGuiTreeNodeFlags_None : ImGuiTreeNodeFlags_DefaultOpen);
-        }
-        if (open && edit(*param)) changed.push_back(param->name);
-    }
-    if (!changed.empty()) changed_parameters(changed);
-}
-
-void Viewer::draw_view() {
-    ImGui::TextDisabled("camera");
-    ImGui::SetNextItemWidth(-1);
-    std::array<char, 256> text{};
-    camera_text_.copy(text.data(), text.size() - 1);
-    if (ImGui::InputText(
-            "##camera", text.data(), text.size(), ImGuiInputTextFlags_EnterReturnsTrue)) {
-        attempt([&] {
-            const Stage stage = subject_->technique->stage();
-            const std::optional<Camera> given = parse_camera(text.data(), stage.up);
-            if (!given) fail_input("camera: expected \"px,py,pz tx,ty,tz fov\"");
-            navigation_.reset(*given, stage.pivot, stage.scale, stage.up);
-            changed_camera();
-        });
-    }
-    if (ImGui::Button("Copy")) window_.copy_text("--camera \"" + camera() + "\"");
-    ImGui::SameLine();
-    if (ImGui::Button("Reset (R)")) {
-        const Stage stage = subject_->technique->stage();
-        navigation_.reset(stage.camera, stage.pivot, stage.scale, stage.up);
-        changed_camera();
-    }
-    ImGui::SameLine();
-    ImGui::Checkbox("fly (F)", &fly_);
-    ImGui::SameLine();
-    ImGui::Checkbox("freeze (P)", &frozen_);
-    float fov = navigation_.camera().fov_y_degrees;
-    ImGui::SetNextItemWidth(-1);
-    if (ImGui::SliderFloat("##fov", &fov, 5, 120, "field of view %.0f degrees")) {
-        navigation_.set_fov(fov);
-        changed_camera();
-    }
-}
-
-void Viewer::draw_graph() {
-    for (const PassTime& time : subject_->technique->times()) {
-        ImGui::TextUnformatted(time.pass.c_str());
-        ImGui::SameLine(240);
-        ImGui::Text("%8.2f ms", time.milliseconds);
-    }
-}
-
-void Viewer::draw_panel() {
-    const glm::ivec2 size = window_.size();
-    ImGui::SetNextWindowPos({static_cast<float>(size.x - kPanelWidth), 0});
-    ImGui::SetNextWindowSize({kPanelWidth, static_cast<float>(size.y)});
-    ImGui::Begin("panel", nullptr,
-        ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-            ImGuiWindowFlags_NoCollapse);
-    if (ImGui::BeginTabBar("tabs")) {
-        if (ImGui::BeginTabItem("Parameters")) {
-            draw_parameters();
-            ImGui::EndTabItem();
-        }
-        if (ImGui::BeginTabItem("View")) {
-            draw_view();
-            ImGui::EndTabItem();
-        }
-        if (ImGui::BeginTabItem("Graph")) {
-            draw_graph();
-            ImGui::EndTabItem();
-        }
-        ImGui::EndTabBar();
-    }
-    ImGui::End();
-}
-
-void Viewer::draw_status() {
-    if (clock_.seconds() - facts_time_ > 0.5 && !hasty_) {
-        facts_ = subject_->technique->facts();
-        facts_time_ = clock_.seconds();
-    }
-    const glm::ivec2 size = window_.size();
-    ImGui::SetNextWindowPos({0, static_cast<float>(size.y - kStatusHeight)});
-    ImGui::SetNextWindowSize({static_cast<float>(area_.x), kStatusHeight});
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {8, 8});
-    ImGui::Begin("status", nullptr,
-        ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-            ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoCollapse);
-    std::string text = fmt::format("{} x {}   {:.0f} ms", picture_.empty() ? 0 : picture_.width(),
-        picture_.empty() ? 0 : picture_.height(), render_ms_);
-    for (const auto& [label, value] : facts_) {
-        if (label == "samples" || label == "steps" || label == "noise" || label == "cache")
-            text += fmt::format("   {} {}", label, value);
-    }
-    ImGui::TextUnformatted(text.c_str());
-    ImGui::End();
-    ImGui::PopStyleVar();
-}
-
-void Viewer::draw_message() {
-    if (message_.empty()) return;
-    ImGui::SetNextWindowPos({16, 16});
-    ImGui::SetNextWindowSize({std::min(520.0f, static_cast<float>(area_.x) - 32), 0});
-    ImGui::Begin("message", nullptr,
-        ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-            ImGuiWindowFlags_NoCollapse);
-    ImGui::PushTextWrapPos(0);
-    ImGui::TextUnformatted(message_.c_str());
-    ImGui::PopTextWrapPos();
-    if (ImGui::SmallButton("dismiss")) message_.clear(), message_is_error_ = false;
-    ImGui::End();
+    if (overlay)
+        legend_ = fmt::format("{}: {:.4g} to {:.4g}", overlay->legend, overlay->low, overlay->high);
+    const Image* const other = reference_ ? &*reference_ : nullptr;
+    if (flip_ && other)
+        canvas_ = compose(*other, nullptr, nullptr, look_);
+    else
+        canvas_ = compose(picture_, other, overlay ? &*overlay : nullptr, look_);
+    const bool done = !hasty_ && (!rival_ || rival_->finished());
+    if (done && other && !error_ && other->width() == picture_.width() &&
+        other->height() == picture_.height())
+        error_ = image_error(picture_, *other);
 }
 
 void Viewer::run() {
     while (!window_.should_close() && !interrupted()) {
         const bool idle = !dirty_ && !redraw_ && !hasty_ &&
                           (frozen_ || message_is_error_ || subject_->technique->finished()) &&
+                          (!rival_ || frozen_ || rival_->finished()) && !want_shot_ &&
                           subject_->frames == 0;
         window_.poll(idle ? 0.5 : 0);
         take_dropped();
+        reload_shaders(device_);
         const Timer frame;
         if (!presenter_.begin()) {
             window_.poll(0.1); // minimised
@@ -354,7 +320,10 @@ void Viewer::run() {
         if (panel_) draw_panel();
         draw_status();
         draw_message();
+        draw_wipe();
+        if (loupe_) draw_loupe_window();
         const bool rendered = render();
+        if (!rendered) render_rival();
         show();
         // The widgets need some frames to settle.
         const bool last = subject_->frames > 0 && steps_ >= subject_->frames && frames_ >= 3;
@@ -378,9 +347,7 @@ void Viewer::run() {
 
 void Viewer::save_outputs() {
     if (!subject_->common.output.empty() && !picture_.empty()) {
-        save_image(subject_->common.output, picture_, subject_->common.exposure,
-            subject_->common.tonemap == "aces" ? Tonemap::aces : Tonemap::none);
-        log::info("wrote {}", subject_->common.output);
+        save_picture(subject_->common.output);
     }
     if (hurry_.count() > 0)
         log::info("{} frames while something was dragged, {:.0f} ms each", hurry_.count(),

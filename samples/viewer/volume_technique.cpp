@@ -32,6 +32,12 @@ VolumeTechnique::VolumeTechnique(
     camera_ = stage().camera;
 }
 
+VolumeTechnique::VolumeTechnique(gpu::Device& device, const CommonOptions& common,
+    const VolumeSource& source, const VolumeViewerOptions& options)
+    : device_(device), common_(common), own_(options), options_(*own_), source_(source) {
+    camera_ = stage().camera;
+}
+
 void VolumeTechnique::load() {
     VolumeSource source = load_volume_source(options_.volume);
     gi_.reset();
@@ -132,6 +138,19 @@ void VolumeTechnique::render(glm::uvec2 size, bool hurry) {
 std::vector<std::string> VolumeTechnique::overlays() const { return {}; }
 
 std::optional<Overlay> VolumeTechnique::overlay(const std::string&) { return {}; }
+
+std::vector<std::string> VolumeTechnique::rivals() const {
+    return {
+        name_of(VolumeMode::path), name_of(VolumeMode::noncaching), name_of(VolumeMode::caching)};
+}
+
+std::unique_ptr<Technique> VolumeTechnique::rival(const std::string& name) {
+    VolumeViewerOptions options = options_;
+    options.method.mode = name;
+    auto other = std::make_unique<VolumeTechnique>(device_, common_, source_, options);
+    other->set_camera(camera_);
+    return other;
+}
 
 std::vector<std::pair<std::string, std::string>> VolumeTechnique::facts() {
     const Volume& v = source_.volume;

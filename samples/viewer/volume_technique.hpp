@@ -25,6 +25,10 @@ public:
     VolumeTechnique(
         gpu::Device& device, const CommonOptions& common, const VolumeViewerOptions& options);
 
+    /// The same volume by other options.
+    VolumeTechnique(gpu::Device& device, const CommonOptions& common, const VolumeSource& source,
+        const VolumeViewerOptions& options);
+
     const char* program() const override { return "volume_gi"; }
     std::string title() const override;
     Stage stage() const override;
@@ -36,6 +40,8 @@ public:
     std::vector<std::string> overlays() const override;
     void want_overlay(const std::string&) override {}
     std::optional<Overlay> overlay(const std::string& name) override;
+    std::vector<std::string> rivals() const override;
+    std::unique_ptr<Technique> rival(const std::string& name) override;
     std::vector<std::pair<std::string, std::string>> facts() override;
     Executor* executor() override { return gi_ ? &gi_->executor() : nullptr; }
     std::vector<PassTime> times() override;
@@ -52,6 +58,7 @@ private:
 
     gpu::Device& device_;
     const CommonOptions& common_;
+    std::optional<VolumeViewerOptions> own_; ///< of a rival
     const VolumeViewerOptions& options_;
     VolumeSource source_;
     Histogram histogram_;

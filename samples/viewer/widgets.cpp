@@ -91,10 +91,14 @@ bool slide(const Param& param, const char* label, std::string& text) {
     if (const auto* target = std::get_if<float*>(&param.target)) {
         float value = std::min(**target, std::numeric_limits<float>::max());
         const float span = static_cast<float>(range.high - range.low);
-        // The digits also say how near to 0 a logarithmic slider comes.
-        const char* digits = range.logarithmic ? "%.7g" : span > 20 ? "%.1f" : "%.3f";
+        // The digits also say how near to 0 a logarithmic slider comes: a hundred-thousandth.
+        const int digits = range.logarithmic
+                               ? std::clamp(static_cast<int>(5 - std::log10(range.high)), 0, 9)
+                           : span > 20 ? 1
+                                       : 3;
+        const std::string format = fmt::format("%.{}f", digits);
         if (!ImGui::SliderFloat(label, &value, static_cast<float>(range.low),
-                static_cast<float>(range.high), digits, flags))
+                static_cast<float>(range.high), format.c_str(), flags))
             return false;
         text = fmt::format("{}", value);
     } else {

@@ -151,6 +151,36 @@ TEST(HurryScale, FindsPicturesThatAreFastEnough) {
     }
 }
 
+TEST(TransferEditor, PointsKeepTheirOrderAndOpacityItsRange) {
+    TransferFunction transfer{
+        {{.value = 0, .opacity = 0}, {.value = 5, .opacity = 0.5}, {.value = 10, .opacity = 1}}};
+    move_point(transfer, 1, 50, 2, 0, 20);
+    EXPECT_EQ(transfer.points[1].value, 10);
+    EXPECT_EQ(transfer.points[1].opacity, 1);
+    move_point(transfer, 1, -3, -1, 0, 20);
+    EXPECT_EQ(transfer.points[1].value, 0);
+    EXPECT_EQ(transfer.points[1].opacity, 0);
+    move_point(transfer, 2, 99, 0.25, 0, 20);
+    EXPECT_EQ(transfer.points[2].value, 20);
+    EXPECT_EQ(transfer.points[2].opacity, 0.25);
+}
+
+TEST(TransferEditor, FilesHoldWhatWasDrawn) {
+    const TransferFunction drawn{{{.value = -1000.25, .opacity = 0},
+        {.value = 1.0 / 3, .opacity = 0.7, .color = {0.1, 0.5, 1}, .emission = {2, 0, 3.5}}}};
+    const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "drawn.json";
+    save_transfer(file, drawn);
+    const TransferFunction read = load_transfer(file);
+    std::filesystem::remove(file);
+    ASSERT_EQ(read.points.size(), drawn.points.size());
+    for (std::size_t i = 0; i < read.points.size(); ++i) {
+        EXPECT_EQ(read.points[i].value, drawn.points[i].value);
+        EXPECT_EQ(read.points[i].opacity, drawn.points[i].opacity);
+        EXPECT_EQ(read.points[i].color, drawn.points[i].color);
+        EXPECT_EQ(read.points[i].emission, drawn.points[i].emission);
+    }
+}
+
 TEST(Kinds, ComeFromNames) {
     EXPECT_EQ(kind_of("a/b.gltf"), Kind::surface);
     EXPECT_EQ(kind_of("b.glb"), Kind::surface);
