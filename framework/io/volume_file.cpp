@@ -5,7 +5,9 @@
 #include "framework/scene/builtin_volume.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstring>
 #include <string_view>
 
 namespace ockham {
@@ -99,10 +101,22 @@ void note_shear(Volume& volume) {
         glm::degrees(std::asin(std::min(worst, 1.0)))));
 }
 
+/// "builtin:NAME" or "builtin:NAME:SIDE".
+Volume builtin(const std::string& source) {
+    const std::size_t colon = source.find(':', std::strlen("builtin:"));
+    if (colon == std::string::npos) return builtin_volume(source);
+    const char *first = source.data() + colon + 1, *last = source.data() + source.size();
+    std::uint32_t side = 0;
+    const auto [end, error] = std::from_chars(first, last, side);
+    if (error != std::errc{} || end != last)
+        fail_input("volume '{}': expected builtin:NAME:SIDE, with a number of voxels", source);
+    return builtin_volume(source.substr(0, colon), side);
+}
+
 } // namespace
 
 Volume load_volume(const std::string& source) {
-    if (source.starts_with("builtin:")) return builtin_volume(source);
+    if (source.starts_with("builtin:")) return builtin(source);
     Volume volume = read(parse(source));
     volume.name = source;
     validate(volume);

@@ -9,7 +9,8 @@
 
 namespace ockham {
 
-/// Loads, by the end of its name, a file; a folder, or a file .dcm, as DICOM; or `builtin:NAME`.
+/// Loads, by the end of its name, a file; a folder, or a file .dcm, as DICOM; or `builtin:NAME`,
+/// `builtin:NAME:SIDE` (voxels of the longest side).
 /// `PATH#NAME` chooses a grid of a .vdb or .nvdb file, or a series of a DICOM folder by its UID.
 /// What had to be inferred or converted is in Volume::notes, each a sentence without the file's
 /// name. Throws Error(input) that names the file, also for more than 2^31 voxels, and for what

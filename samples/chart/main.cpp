@@ -7,7 +7,11 @@
 #include "framework/core/version.hpp"
 #include "samples/chart/aa_suite.hpp"
 #include "samples/chart/graph_suite.hpp"
+#include "samples/chart/papers_suite.hpp"
+#include "samples/chart/peers_suite.hpp"
+#include "samples/chart/stability_suite.hpp"
 #include "samples/chart/suite.hpp"
+#include "samples/chart/volume_suite.hpp"
 
 #include <algorithm>
 #include <cstdlib>
@@ -23,7 +27,9 @@ struct Kind {
     std::unique_ptr<Suite> (*make)(Context&);
 };
 /// In the order of the page.
-constexpr Kind kSuites[] = {{"aa", make_aa_suite}, {"graph", make_graph_suite}};
+constexpr Kind kSuites[] = {{"aa", make_aa_suite}, {"volume", make_volume_suite},
+    {"papers", make_papers_suite}, {"stability", make_stability_suite}, {"graph", make_graph_suite},
+    {"peers", make_peers_suite}};
 
 std::string suite_names() {
     std::string names;

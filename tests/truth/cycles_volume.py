@@ -5,9 +5,13 @@
 # Keys: extinction (per unit), albedo, g, sun (irradiance, travels along -z; 0: white environment of
 # radiance 1), vdb (a file; none: the homogeneous unit cube), side (voxels of the file's longest side),
 # size (pixels), window (central pixels), samples, seed, output (.exr).
+# Prints one line of JSON: mean and its spread, and the wall and processor seconds of the render call,
+# its preparation included; a picture of one sample comes before it, so that kernels are loaded.
 import json
 import math
+import resource
 import sys
+import time
 
 import bpy
 
@@ -118,7 +122,19 @@ add_object()
 add_light(scene)
 add_camera(scene)
 settle(scene)
+scene.cycles.samples = 1
+bpy.ops.render.render()
+scene.cycles.samples = job["samples"]
+
+
+def processor_seconds():
+    usage = resource.getrusage(resource.RUSAGE_SELF)
+    return usage.ru_utime + usage.ru_stime
+
+
+start, processor_start = time.perf_counter(), processor_seconds()
 bpy.ops.render.render(write_still=True)
+seconds, processor = time.perf_counter() - start, processor_seconds() - processor_start
 
 picture = bpy.data.images.load(job["output"])
 picture.colorspace_settings.name = "Non-Color"
@@ -128,4 +144,5 @@ values = [pixels[4 * (y * job["size"] + x)]
           for y in range(first, first + job["window"]) for x in range(first, first + job["window"])]
 mean = sum(values) / len(values)
 spread = math.sqrt(sum((v - mean) ** 2 for v in values) / (len(values) - 1) / len(values))
-print("RESULT " + json.dumps({"mean": mean, "spread_of_mean": spread}))
+print("RESULT " + json.dumps({"mean": mean, "spread_of_mean": spread, "seconds": seconds,
+                             "cpu_seconds": processor}))

@@ -185,6 +185,9 @@ TEST_F(VolumeFile, NamesThatNoReaderKnows) {
 TEST_F(VolumeFile, BuiltinsAreVolumesToo) {
     EXPECT_EQ(load_volume("builtin:constant").at({0, 0, 0}), 1.0);
     EXPECT_THROW(load_volume("builtin:nothing"), Error);
+    EXPECT_EQ(load_volume("builtin:cloud:16").dims, glm::uvec3(16, 16, 12));
+    for (const char* name : {"builtin:cloud:", "builtin:cloud:x", "builtin:cloud:16x"})
+        EXPECT_THROW(load_volume(name), Error) << name;
 }
 
 /// Each optional library is either there, or asked for by its package.

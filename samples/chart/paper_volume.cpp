@@ -1,0 +1,541 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "samples/chart/paper_volume.hpp"
+
+#include "framework/image_error/image_error.hpp"
+#include "passes/volume/frame.hpp"
+#include "samples/chart/paper_numbers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ockham::chart {
+namespace {
+
+constexpr const char* kShadings[] = {"lambert", "phong", "disney"};
+constexpr const char* kPsnr = "PSNR (dB, peak 1, displayed values)";
+
+/// Cells along table 1, and two of this program's own.
+struct CacheKind {
+    std::uint32_t scale;
+    CacheFormat format;
+    const char* title;
+};
+constexpr CacheKind kCaches[] = {{1, CacheFormat::fp32, "1, 32-bit"},
+    {1, CacheFormat::fp16, "1, 16-bit"}, {2, CacheFormat::fp32, "2, 32-bit"},
+    {4, CacheFormat::fp32, "4, 32-bit"}, {2, CacheFormat::fp16, "2, 16-bit (default here)"},
+    {2, CacheFormat::rgb9e5, "2, shared exponent"}};
+
+/// `builtin:NAME:48` or, where there is time, as large as it comes.
+VolumeScene builtin_scene(const ChartOptions& options, const std::string& name, const char* iso,
+    float density, const char* side) {
+    VolumeScene scene;
+    scene.name = name;
+    scene.options.volume = {"builtin:" + name + (options.quick ? side : "")};
+    scene.options.transfer = "smoke";
+    scene.options.iso = iso;
+    scene.options.density_scale = density;
+    scene.options.albedo = 0.9f;
+    scene.options.light = "0.3,0.9,-0.5 3,2.8,2.5";
+    scene.options.environment = "0.1,0.13,0.18";
+    return scene;
+}
+
+std::vector<VolumeScene> paper_scenes(const ChartOptions& options, const char* side) {
+    if (options.volumes.empty()) {
+        return {builtin_scene(options, "fingers", "200", 20, side),
+            builtin_scene(options, "cluster", "120", 40, side)};
+    }
+    std::vector<VolumeScene> scenes = volume_scenes(options);
+    std::stable_partition(scenes.begin(), scenes.end(),
+        [](const VolumeScene& scene) { return !scene.options.iso.empty(); });
+    return scenes;
+}
+
+VolumeGi make_picture(gpu::Device& device, const VolumeScene& scene, const VolumeSource& source,
+    const VolumeGiParams& params) {
+    return {device, source.volume, source.transfer, source.environment, source.view, scene.view(),
+        params};
+}
+
+std::string cell(double number, const char* format = "{:.1f}") {
+    return std::isnan(number) ? "" : fmt::format(fmt::runtime(format), number);
+}
+std::string cell(const Point& point, const char* value, const char* format = "{:.1f}") {
+    return point.has(value) ? cell(point[value].median, format) : std::string();
+}
+
+} // namespace
+
+/// Figures 3, 4 and 7: the three modes in turns, each stopped at the same moments of its own GPU
+/// time. A row for each moment.
+class PaperVolume::Moments : public Subject {
+public:
+    Moments(PaperVolume& owner, const VolumeScene& scene)
+        : owner_(owner), scene_(scene), source_(scene.load()),
+          seed_(source_.view.seed), references_{&owner.references_.of(scene, VolumeMode::path),
+                                        &owner.references_.of(scene, VolumeMode::noncaching),
+                                        &owner.references_.of(scene, VolumeMode::noncaching)} {
+        for (const VolumeMode mode :
+            {VolumeMode::path, VolumeMode::noncaching, VolumeMode::caching}) {
+            pictures_.push_back(std::make_unique<VolumeGi>(owner.context_.device(), source_.volume,
+                source_.transfer, source_.environment, source_.view, scene.view(),
+                owner.params(mode)));
+            pictures_.back()->execute();
+            pictures_.back()->finish();
+        }
+    }
+
+    std::vector<Row> measure() override {
+        source_.view.seed = ++seed_;
+        for (const auto& one : pictures_) one->set_view(source_.view);
+        double taken[3] = {};
+        std::vector<Row> rows;
+        for (const double moment : paper::kMoments) {
+            Image images[3];
+            Row row{.knob = moment, .values = {}};
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::string mode = name_of(static_cast<VolumeMode>(i));
+                while (taken[i] < moment / paper::kAllSeconds * owner_.seconds_) {
+                    if (interrupted()) return rows;
+                    pictures_[i]->execute();
+                    taken[i] += gpu_seconds(pictures_[i]->executor());
+                }
+                for (; !pictures_[i]->finished(); pictures_[i]->drain()) {
+                }
+                images[i] = pictures_[i]->picture();
+                const ImageError error = image_error(images[i], references_[i]->picture);
+                row.values["seconds_" + mode] = taken[i];
+                row.values["psnr_" + mode] = error.psnr;
+                row.values["ssim_" + mode] = error.ssim;
+                if (shown_.size() < 2 * 3 * std::size(paper::kMoments)) {
+                    const std::string title = fmt::format("{}_{}", mode, moment);
+                    shown_[title] = to_picture(images[i]);
+                    shown_[title + "_error"] = error_picture(images[i], references_[i]->picture);
+                }
+            }
+            const ImageError between = image_error(images[2], images[1]);
+            row.values["seconds"] = std::max(taken[1], taken[2]);
+            row.values["psnr_between"] = between.psnr;
+            row.values["ssim_between"] = between.ssim;
+            rows.push_back(std::move(row));
+        }
+        return rows;
+    }
+    std::map<std::string, Picture> pictures() override { return shown_; }
+
+private:
+    PaperVolume& owner_;
+    VolumeScene scene_;
+    VolumeSource source_;
+    std::uint32_t seed_;
+    const VolumeReference* references_[3];
+    std::vector<std::unique_ptr<VolumeGi>> pictures_; ///< in the order of VolumeMode
+    std::map<std::string, Picture> shown_;
+};
+
+PaperVolume::PaperVolume(Context& context, JobList& list)
+    : context_(context), side_(context.options.quick ? 64 : 256),
+      frame_side_(context.options.quick ? 256 : 1024), most_(context.options.quick ? 60 : 4000),
+      seconds_(context.options.quick ? 1.5 : 30), scenes_(paper_scenes(context.options, ":40")),
+      small_scenes_(paper_scenes(context.options, ":24")), references_(context, side_) {
+    const std::string caching = "--mode caching --gather off";
+    for (const char* shading : kShadings) {
+        const VolumeScene scene = scenes_.front().with_shading(shading);
+        add(
+            scene, fmt::format("moments, {}", shading), caching,
+            [this, scene] { return std::make_unique<Moments>(*this, scene); }, list);
+    }
+    const auto once = [this](const VolumeScene& scene, auto body) {
+        return [this, scene, body] {
+            return std::make_unique<Once>(
+                [this, scene, body](auto& shown) { return (this->*body)(scene, shown); });
+        };
+    };
+    for (const VolumeScene& scene : scenes_) {
+        for (const char* shading : kShadings) {
+            if (&scene != &scenes_.front() && scene.options.shading != shading) continue;
+            add(scene.with_shading(shading), fmt::format("converged, {}", shading), caching,
+                once(scene.with_shading(shading), &PaperVolume::converged), list);
+        }
+    }
+    const auto plain = [this](const VolumeScene& scene, auto body) {
+        return [this, scene, body] {
+            return std::make_unique<Once>(
+                [this, scene, body](auto&) { return (this->*body)(scene); });
+        };
+    };
+    for (std::size_t i = 0; i < std::min<std::size_t>(small_scenes_.size(), 2); ++i)
+        add(small_scenes_[i], "table 1", caching + " --cache-scale 1 --cache-format fp32",
+            plain(small_scenes_[i], &PaperVolume::caches), list);
+    add(scenes_.front(), "frame rates", caching, plain(scenes_.front(), &PaperVolume::frame_rates),
+        list);
+    add(scenes_.front(), "memory", caching, plain(scenes_.front(), &PaperVolume::memory), list);
+}
+
+void PaperVolume::add(const VolumeScene& scene, const std::string& series, const std::string& flags,
+    JobList::Open open, JobList& list) {
+    Job job{.suite = "papers",
+        .scene = scene.name,
+        .series = series,
+        .setting = {},
+        .inputs = fmt::format(
+            "{} {} {} {} {}", scene.inputs(), flags, side_, seconds_, context_.device_text()),
+        .command = fmt::format(
+            "volume_gi {} {} --width {} --height {}", scene.flags(), flags, side_, side_),
+        .repeats = series == "moments, lambert" ? 0 : 1};
+    jobs_.push_back(job);
+    list.add(std::move(job), std::move(open));
+}
+
+/// As the paper: composed from the cache.
+VolumeGiParams PaperVolume::params(VolumeMode mode) const {
+    VolumeGiParams p;
+    p.width = p.height = side_;
+    p.mode = mode;
+    p.gather = false;
+    p.cache_error = context_.options.quick ? 0.2f : 0.03f;
+    return p;
+}
+
+/// Figures 5, 6, 8 and 9.
+std::vector<Row> PaperVolume::converged(
+    const VolumeScene& scene, std::map<std::string, Picture>& shown) {
+    const VolumeReference& path = references_.of(scene, VolumeMode::path);
+    const VolumeReference& noncaching = references_.of(scene, VolumeMode::noncaching);
+    shown["path"] = to_picture(path.picture);
+    shown["noncaching"] = to_picture(noncaching.picture);
+    shown["noncaching_error"] = error_picture(noncaching.picture, path.picture, 4);
+    Row row{.knob = 0, .values = {}};
+    const ImageError modes = image_error(noncaching.picture, path.picture);
+    row.values = {{"psnr_noncaching_path", modes.psnr}, {"ssim_noncaching_path", modes.ssim}};
+    const VolumeSource source = scene.load();
+    for (const bool gather : {false, true}) {
+        VolumeGiParams p = params(VolumeMode::caching);
+        p.gather = gather;
+        VolumeGi gi = make_picture(context_.device(), scene, source, p);
+        converge(gi, most_);
+        for (int step = 0; step < 64 && !interrupted(); ++step) gi.execute();
+        gi.finish();
+        const Image picture = gi.picture();
+        const std::string title = gather ? "gathered" : "composed";
+        const ImageError error = image_error(picture, noncaching.picture);
+        row.values["psnr_" + title] = error.psnr;
+        row.values["ssim_" + title] = error.ssim;
+        row.values["psnr_" + title + "_path"] = image_error(picture, path.picture).psnr;
+        shown[title] = to_picture(picture);
+        shown[title + "_error"] = error_picture(picture, noncaching.picture, 4);
+    }
+    return {row};
+}
+
+/// Table 1: rows in the order of kCaches, against the first.
+std::vector<Row> PaperVolume::caches(const VolumeScene& scene) {
+    const VolumeSource source = scene.load();
+    Image full;
+    std::vector<Row> rows;
+    for (const CacheKind& kind : kCaches) {
+        VolumeGiParams p = params(VolumeMode::caching);
+        p.cache_scale = kind.scale;
+        p.cache_format = kind.format;
+        VolumeGi gi = make_picture(context_.device(), scene, source, p);
+        const double gpu = converge(gi, most_);
+        // Of one seed, so that jitter is the same in all pictures.
+        for (int step = 0; step < 16 && !interrupted(); ++step) gi.execute();
+        gi.finish();
+        const Image picture = gi.picture();
+        if (rows.empty()) full = picture;
+        const ImageError error = image_error(picture, full);
+        const VolumeStatistics now = gi.statistics();
+        rows.push_back({.knob = double(rows.size()),
+            .values = {{"psnr", error.psnr}, {"ssim", error.ssim}, {"gpu_seconds", gpu},
+                {"cells", double(now.cells)}, {"cell_bytes", double(now.cell_bytes)},
+                {"bytes_per_voxel", double(now.cell_bytes) / double(source.volume.voxel_count())},
+                {"converged", now.cache_converged ? 1.0 : 0.0}}});
+    }
+    return rows;
+}
+
+/// Frames with the camera moved each time: noncaching, caching while the cache is refined, caching
+/// with the cache at rest, path.
+std::vector<Row> PaperVolume::frame_rates(const VolumeScene& scene) {
+    const VolumeSource source = scene.load();
+    std::vector<Row> rows;
+    const auto frames = [&](VolumeGi& gi, const Camera& from) {
+        std::vector<double> seconds;
+        for (int i = 1; i <= 9 && !interrupted(); ++i) {
+            gi.set_camera(turned(from, glm::vec3(0), UpAxis::z, 0.05f * float(i)));
+            gi.execute();
+            seconds.push_back(gpu_seconds(gi.executor()));
+        }
+        const double frame = seconds.empty() ? 1.0 : spread(seconds).median;
+        const double pixels = double(frame_side_) * frame_side_;
+        rows.push_back({.knob = double(rows.size()),
+            .values = {{"frame_ms", 1e3 * frame}, {"frames_per_second", 1 / frame},
+                {"mpixels_per_second", 1e-6 * pixels / frame}}});
+    };
+    for (const VolumeMode mode : {VolumeMode::path, VolumeMode::noncaching, VolumeMode::caching}) {
+        VolumeGiParams p = params(mode);
+        p.width = p.height = frame_side_;
+        p.cache_error = 0.25f;
+        VolumeGi gi = make_picture(context_.device(), scene, source, p);
+        gi.execute();
+        frames(gi, scene.view());
+        if (mode != VolumeMode::caching) continue;
+        converge(gi, most_);
+        rows.back().values["refining"] = 1;
+        frames(gi, scene.view());
+        rows.back().values["suspended"] = gi.statistics().cache_converged ? 1.0 : 0.0;
+    }
+    return rows;
+}
+
+/// Bytes per pixel of each mode, from pictures of two sizes; bytes per voxel of the cache.
+std::vector<Row> PaperVolume::memory(const VolumeScene& scene) {
+    const VolumeSource source = scene.load();
+    std::vector<Row> rows;
+    const auto bytes_of = [&](VolumeGiParams p, std::uint32_t side, VolumeStatistics* statistics) {
+        const std::uint64_t before = context_.device().allocator().bytes_used();
+        p.width = p.height = side;
+        VolumeGi gi = make_picture(context_.device(), scene, source, p);
+        gi.execute();
+        if (statistics != nullptr) *statistics = gi.statistics();
+        return static_cast<double>(context_.device().allocator().bytes_used() - before);
+    };
+    for (const VolumeMode mode : {VolumeMode::path, VolumeMode::noncaching, VolumeMode::caching}) {
+        VolumeGiParams p = params(mode);
+        if (mode == VolumeMode::caching) p.cache_scale = 1, p.cache_format = CacheFormat::fp32;
+        VolumeStatistics full, kept;
+        const double small = bytes_of(p, 128, &full), large = bytes_of(p, 256, nullptr);
+        Row row{.knob = double(rows.size()),
+            .values = {{"bytes_per_pixel", (large - small) / (256.0 * 256 - 128.0 * 128)}}};
+        if (mode == VolumeMode::caching) {
+            const auto voxels = double(source.volume.voxel_count());
+            p.cache_scale = 2, p.cache_format = CacheFormat::fp16;
+            bytes_of(p, 128, &kept);
+            row.values["full_bytes_per_voxel"] = double(full.cell_bytes) / voxels;
+            row.values["bytes_per_voxel"] = double(kept.cell_bytes) / voxels;
+        }
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+std::vector<Plot> PaperVolume::convergence_plots(const std::vector<Point>& points) const {
+    const std::string& scene = scenes_.front().name;
+    std::vector<Plot> plots;
+    for (const auto& [metric, label] :
+        {std::pair<std::string, std::string>{"psnr", kPsnr}, {"ssim", "SSIM of luma"}}) {
+        const Better better = Better::more;
+        Plot figure_3{.name = "papers_volume_figure_3_" + metric,
+            .question = "Figure 3: how fast do both variants converge? " + scene,
+            .x = {"", "GPU time (s)", true, Better::less},
+            .y = {"", label, false, better},
+            .caption = "Each against the converged picture of mode noncaching with the same "
+                       "shading. The paper's text has it so too; the caption of its figure says "
+                       "“of the respective variant”. LPIPS and VMAF are not measured: their "
+                       "networks and models are not part of this program. Caching shows the "
+                       "mean of its newest samples alone, half of them or more, while its cache "
+                       "is refined: its picture is one of few samples for long."};
+        Plot figure_4{.name = "papers_volume_figure_4_" + metric,
+            .question = "Figure 4: how alike are both variants after equal time? " + scene,
+            .x = {"seconds", "GPU time (s)", true},
+            .y = {metric + "_between", label, false, better},
+            .caption = "Noise of both is in it."};
+        for (const char* shading : kShadings) {
+            const std::string series = fmt::format("moments, {}", shading);
+            for (const char* mode : {"noncaching", "caching"}) {
+                figure_3.x.value = fmt::format("seconds_{}", mode);
+                figure_3.y.value = fmt::format("{}_{}", metric, mode);
+                figure_3.curves.push_back(
+                    curve(points, scene, series, figure_3, fmt::format("{}, {}", mode, shading)));
+            }
+            figure_4.curves.push_back(curve(points, scene, series, figure_4, shading));
+        }
+        plots.push_back(std::move(figure_3));
+        plots.push_back(std::move(figure_4));
+    }
+    return plots;
+}
+
+Table PaperVolume::cache_table(const std::vector<Point>& points) const {
+    Table table{.name = "papers_volume_table_1",
+        .title = "Table 1 of Šmajdek et al. 2023: smaller and less exact caches",
+        .columns = {"voxels along a cell, floats", "PSNR dB, paper: backpack", "paper: wrasse"},
+        .rows = {},
+        .caption = fmt::format(
+            "Against the picture from a cache with a cell for each voxel in 32-bit floats. Paper: "
+            "512 × 280 × 374 and 198 × 470 × 432 voxels, 1024 × 1024 pixels. Here: composed "
+            "pictures of {0} × {0} pixels, caches refined to an error of {1}, of one seed: those "
+            "of one scale differ by rounding alone, others by noise too. Bytes are all that the "
+            "cache takes while it is refined.",
+            side_, params(VolumeMode::caching).cache_error)};
+    std::vector<std::string> scenes;
+    for (const Point& point : points)
+        if (point.job->series == "table 1" &&
+            std::find(scenes.begin(), scenes.end(), point.job->scene) == scenes.end())
+            scenes.push_back(point.job->scene);
+    for (const std::string& scene : scenes) table.columns.push_back("here: " + scene);
+    for (const char* title : {"SSIM, paper: backpack", "paper: wrasse"})
+        table.columns.emplace_back(title);
+    for (const std::string& scene : scenes) table.columns.push_back("here: " + scene);
+    for (const std::string& scene : scenes) table.columns.push_back("bytes per voxel: " + scene);
+    for (std::size_t i = 0; i < std::size(kCaches); ++i) {
+        const CacheKind& kind = kCaches[i];
+        const auto known = [&](const char* volume, double paper::CacheRow::*value) {
+            const unsigned bits = kind.format == CacheFormat::fp32   ? 32
+                                  : kind.format == CacheFormat::fp16 ? 16
+                                                                     : 9;
+            for (const paper::CacheRow& row : paper::kCacheTable)
+                if (std::string(row.volume).starts_with(volume) && row.scale == kind.scale &&
+                    row.bits == bits)
+                    return row.*value;
+            return paper::kNotGiven;
+        };
+        const auto here = [&](const std::string& scene, const char* value, const char* format) {
+            for (const Point& point : points)
+                if (point.job->series == "table 1" && point.job->scene == scene &&
+                    point.knob == double(i))
+                    return cell(point, value, format);
+            return std::string();
+        };
+        std::vector<std::string> cells{kind.title,
+            cell(known("Backpack", &paper::CacheRow::psnr), "{:.2f}"),
+            cell(known("Wrasse", &paper::CacheRow::psnr), "{:.2f}")};
+        for (const std::string& scene : scenes)
+            cells.push_back(i == 0 ? "∞" : here(scene, "psnr", "{:.2f}"));
+        cells.push_back(cell(known("Backpack", &paper::CacheRow::ssim), "{:.3f}"));
+        cells.push_back(cell(known("Wrasse", &paper::CacheRow::ssim), "{:.3f}"));
+        for (const std::string& scene : scenes) cells.push_back(here(scene, "ssim", "{:.4f}"));
+        for (const std::string& scene : scenes)
+            cells.push_back(here(scene, "bytes_per_voxel", "{:.1f}"));
+        table.rows.push_back(std::move(cells));
+    }
+    return table;
+}
+
+Table PaperVolume::speed_table(const std::vector<Point>& points) const {
+    Table table{.name = "papers_volume_frames",
+        .title = "Frame rates of Šmajdek et al. 2023",
+        .columns = {"what", "frames per second, paper", "here", "ms per frame, here",
+            "million pixels per second, paper", "here"},
+        .rows = {},
+        .caption = fmt::format(
+            "One sample per pixel, the camera moved before each frame; median of nine. Paper: 1024 "
+            "× 1024 on an Nvidia Titan Xp. Here: {0} × {0} on the device of this page, "
+            "<code>{1}</code>, composed.",
+            frame_side_, escape(scenes_.front().flags()))};
+    const char* const kTitles[] = {
+        "path", "noncaching", "caching, refining the cache", "caching, cache at rest"};
+    const char* const kRates[] = {
+        "", paper::kFrameRate, paper::kFrameRate, paper::kSuspendedFrameRate};
+    const char* const kPixels[] = {"", "10 to 31", "10 to 31", "up to 105"};
+    for (const Point& point : points) {
+        if (point.job->series != "frame rates") continue;
+        const auto i = std::min(static_cast<std::size_t>(point.knob), std::size_t{3});
+        table.rows.push_back({kTitles[i], kRates[i], cell(point, "frames_per_second"),
+            cell(point, "frame_ms"), kPixels[i], cell(point, "mpixels_per_second", "{:.2f}")});
+    }
+    return table;
+}
+
+Table PaperVolume::memory_table(const std::vector<Point>& points) const {
+    Table table{.name = "papers_volume_memory",
+        .title = "Memory of Šmajdek et al. 2023",
+        .columns = {"what", "floats, paper", "bytes, paper", "bytes, here"},
+        .rows = {},
+        .caption =
+            "Per pixel: what a larger picture takes more, by the pixel. Per voxel: all that "
+            "the cache takes while it is refined, its working set included, over all voxels, "
+            "the empty ones too. The paper's 1440³ voxels in 80 GB leave 27 bytes for each, "
+            "half of its 14 floats."};
+    const auto row = [&](const char* what, double floats, const std::string& here) {
+        table.rows.push_back({what, cell(floats, "{:.0f}"), cell(4 * floats, "{:.0f}"), here});
+    };
+    for (const Point& point : points) {
+        if (point.job->series != "memory") continue;
+        const std::string pixel = cell(point, "bytes_per_pixel");
+        if (point.knob == 0) row("path, per pixel", paper::kPathFloatsPerPixel, pixel);
+        if (point.knob == 1) row("noncaching, per pixel", paper::kNoncachingFloatsPerPixel, pixel);
+        if (point.knob != 2) continue;
+        row("caching, composed, per pixel", paper::kNotGiven, pixel);
+        row("caching, per voxel: a cell each, 32-bit", paper::kCachingFloatsPerVoxel,
+            cell(point, "full_bytes_per_voxel"));
+        row("caching, per voxel: default", paper::kCachingFloatsPerVoxel,
+            cell(point, "bytes_per_voxel"));
+    }
+    return table;
+}
+
+Table PaperVolume::picture_table(const std::vector<Point>& points) const {
+    Table table{.name = "papers_volume_figures",
+        .title = "Figures 5, 6, 8 and 9 of Šmajdek et al. 2023, in numbers",
+        .columns = {"scene", "shading", "caching composed and noncaching (dB)", "SSIM",
+            "caching gathered and noncaching (dB)", "SSIM", "path and noncaching (dB)",
+            "path and caching composed (dB)"},
+        .rows = {},
+        .caption = "Converged pictures, PSNR of displayed values with peak 1. The paper prints no "
+                   "numbers with these figures. Its path tracing shows an opaque medium where it "
+                   "has a surface; here the surface scatters."};
+    for (const Point& point : points) {
+        if (!point.job->series.starts_with("converged, ")) continue;
+        table.rows.push_back({point.job->scene, point.job->series.substr(11),
+            cell(point, "psnr_composed"), cell(point, "ssim_composed", "{:.4f}"),
+            cell(point, "psnr_gathered"), cell(point, "ssim_gathered", "{:.4f}"),
+            cell(point, "psnr_noncaching_path"), cell(point, "psnr_composed_path")});
+    }
+    return table;
+}
+
+void PaperVolume::add_wipes(const Store& store, Section& section) const {
+    const auto side = [](const std::map<std::string, std::string>& pictures,
+                          const std::string& name, const std::string& label, Wipe& wipe) {
+        const auto picture = pictures.find(name), error = pictures.find(name + "_error");
+        if (picture != pictures.end())
+            wipe.sides.push_back(
+                {label, picture->second, error == pictures.end() ? std::string() : error->second});
+    };
+    for (const Job& job : jobs_) {
+        if (store.repeats(job).empty()) continue;
+        const auto& pictures = store.repeats(job).front().pictures;
+        if (job.series.starts_with("converged, ")) {
+            Wipe wipe{.title = fmt::format(
+                          "Figures 5, 6, 8 and 9: {}, {}", job.scene, job.series.substr(11)),
+                .sides = {},
+                .caption = "Error maps: caching against noncaching, and this against path, four "
+                           "times."};
+            side(pictures, "noncaching", "noncaching", wipe);
+            side(pictures, "composed", "caching, composed", wipe);
+            side(pictures, "gathered", "caching, gathered", wipe);
+            side(pictures, "path", "path", wipe);
+            section.wipes.push_back(std::move(wipe));
+        } else if (job.series == "moments, lambert") {
+            for (std::size_t mode = 0; mode < 3; ++mode) {
+                const std::string name = name_of(static_cast<VolumeMode>(mode));
+                Wipe wipe{.title = "Figure 7: " + name + ", as time goes on",
+                    .sides = {},
+                    .caption = fmt::format(
+                        "The paper's 0.5 to 30 s, times {:.3g}. Error maps: against the converged "
+                        "picture, ten times.",
+                        seconds_ / paper::kAllSeconds)};
+                for (const double moment : paper::kMoments)
+                    side(pictures, fmt::format("{}_{}", name, moment),
+                        fmt::format("{:.3g} s", moment / paper::kAllSeconds * seconds_), wipe);
+                section.wipes.push_back(std::move(wipe));
+            }
+        }
+    }
+}
+
+void PaperVolume::report(
+    const Store& store, const std::vector<Point>& points, Section& section) const {
+    for (Plot& plot : convergence_plots(points)) section.plots.push_back(std::move(plot));
+    section.tables.push_back(cache_table(points));
+    section.tables.push_back(picture_table(points));
+    section.tables.push_back(speed_table(points));
+    section.tables.push_back(memory_table(points));
+    add_wipes(store, section);
+}
+
+} // namespace ockham::chart
