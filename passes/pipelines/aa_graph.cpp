@@ -14,6 +14,7 @@
 #include "passes/surface/resolve.hpp"
 #include "passes/surface/shade.hpp"
 #include "passes/surface/sraa.hpp"
+#include "passes/surface/surface_means.hpp"
 #include "passes/surface/variance_history.hpp"
 #include "shaders/shared/frame.h"
 
@@ -86,9 +87,9 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
 namespace {
 
 void omit_adaptive_passes(Graph& graph, const std::string& reason) {
-    for (const char* pass :
-        {"clusters", "metrics", "variance_history", "allocate", "budget", "coarsen", "bucket_count",
-            "bucket_scan", "bucket_arguments", "bucket_scatter", "tile_work", "tile_list"}) {
+    for (const char* pass : {"clusters", "surface_means", "metrics", "variance_history", "allocate",
+             "budget", "coarsen", "bucket_count", "bucket_scan", "bucket_arguments",
+             "bucket_scatter", "tile_work", "tile_list"}) {
         graph.omit_pass(pass, reason);
     }
 }
@@ -207,8 +208,29 @@ ImageHandle add_shade(Graph& graph, const ShadingInputs& in, const ShadingParams
     return add_shade_loop(graph, in, shading, counts);
 }
 
-AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const ShadingParams& shading,
-    const AdaptiveAaParams& params) {
+/// What samples take from all of their surface; sets the members of `in` that say so.
+void add_means(
+    Graph& graph, ShadingInputs& in, const Clusters& clusters, const AdaptiveAaParams& params) {
+    const bool textured = in.scene.scene->facts().color_textures;
+    const bool stratified = params.resolve == Resolve::stratified;
+    in.demodulate = stratified && params.demodulate && textured;
+    in.filter_highlights = stratified && params.filter_highlights;
+    if (in.demodulate || in.filter_highlights) {
+        in.means = add_surface_means(graph, in.scene, in.gbuffer, clusters,
+            {.width = params.width,
+                .height = params.height,
+                .anisotropy = params.anisotropy,
+                .albedo = in.demodulate});
+    } else {
+        graph.omit_pass("surface_means",
+            !stratified         ? "--resolve prefix knows no surfaces"
+            : params.demodulate ? "no material has a colour image; no --filter-highlights"
+                                : "no --demodulate, no --filter-highlights");
+    }
+}
+
+AdaptiveAaOutputs add_picture(
+    Graph& graph, ShadingInputs in, const ShadingParams& shading, const AdaptiveAaParams& params) {
     AdaptiveAaOutputs out;
     switch (params.method) {
     case AaMethod::none:
@@ -260,6 +282,7 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
         graph.omit_pass(
             "clusters", "--metric paper and --resolve prefix look at the window as a whole");
     }
+    add_means(graph, in, clusters, params);
     out.first_sample = add_first_sample(graph, in, shading);
     const Allocation counts = add_counts(graph, in, clusters, out.first_sample, params);
     out.sample_count = counts.sample_count;
@@ -285,10 +308,10 @@ AdaptiveAaOutputs add_picture(Graph& graph, const ShadingInputs& in, const Shadi
 bool is_shading_pass(std::string_view pass) {
     if (is_baseline_pass(pass)) return true;
     // "shade" and its further rounds "shade.1", ...; the passes of the lists.
-    return pass == "clusters" || pass == "first_sample" || pass == "metrics" ||
-           pass == "variance_history" || pass == "allocate" || pass.starts_with("budget") ||
-           pass == "coarsen" || pass.starts_with("bucket_") || pass.starts_with("tile_") ||
-           pass.starts_with("shade") || pass == "resolve";
+    return pass == "clusters" || pass == "surface_means" || pass == "first_sample" ||
+           pass == "metrics" || pass == "variance_history" || pass == "allocate" ||
+           pass.starts_with("budget") || pass == "coarsen" || pass.starts_with("bucket_") ||
+           pass.starts_with("tile_") || pass.starts_with("shade") || pass == "resolve";
 }
 
 AdaptiveAaOutputs add_adaptive_aa(

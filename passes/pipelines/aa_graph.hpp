@@ -53,6 +53,8 @@ struct AdaptiveAaParams {
     SampleOrder order_kind = SampleOrder::paper;
     std::vector<std::uint32_t> order; ///< samples by rank; empty: sample_order(order_kind, m)
     Resolve resolve = Resolve::prefix;
+    bool demodulate = false;        ///< stratified only: samples have the mean albedo of theirs
+    bool filter_highlights = false; ///< stratified only: and lobes that hold the normals of theirs
     MetricKind metric = MetricKind::paper;
     MetricsParams metrics;         ///< paper only; its size is set from here
     float lambda = kDefaultLambda; ///< ockham only: price of a sample, 0 ... infinity

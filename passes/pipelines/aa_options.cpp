@@ -42,8 +42,8 @@ void add_aa_options(Params& params, AaOptions& o) {
             "adaptive"});
     add("k", &o.k, "samples per pixel of --method uniform").range(1, 64);
     add("preset", &o.preset,
-        "metric, order and resolve at once: ockham is ockham, optimal, stratified; paper is paper, "
-        "paper, prefix")
+        "metric, order, resolve, demodulate, filter-highlights at once: ockham is ockham, optimal, "
+        "stratified, on, on; paper is paper, paper, prefix, off, off")
         .choices({"ockham", "paper"});
     add("metric", &o.metric, "what decides the samples per pixel")
         .choices({kByPreset, "paper", "ockham"});
@@ -84,6 +84,12 @@ void add_aa_options(Params& params, AaOptions& o) {
     add("resolve", &o.resolve,
         "which samples make a pixel: the first k in order, or k shared out among its surfaces")
         .choices({kByPreset, "prefix", "stratified"});
+    add("demodulate", &o.demodulate,
+        "resolve stratified: light is averaged apart from albedo, whose mean is exact")
+        .choices({kByPreset, "on", "off"});
+    add("filter-highlights", &o.filter_highlights,
+        "resolve stratified: highlights as wide as the normals that a sample stands for")
+        .choices({kByPreset, "on", "off"});
     add("gbuffer", &o.gbuffer, "layout of the G-buffer; auto: packed where it fits")
         .choices({"auto", "packed", "visibility"});
     add("tile", &o.tile, "side of the largest screen tile; 0: the picture, or as much as fits")
@@ -125,6 +131,8 @@ AdaptiveAaParams aa_params(const AaOptions& o) {
                                       : SampleOrder::paper;
     p.resolve = choose(o, o.resolve, "stratified", "prefix") == "stratified" ? Resolve::stratified
                                                                              : Resolve::prefix;
+    p.demodulate = choose(o, o.demodulate, "on", "off") == "on";
+    p.filter_highlights = choose(o, o.filter_highlights, "on", "off") == "on";
     p.lambda = o.lambda;
     p.history = o.history;
     p.budget = o.budget;

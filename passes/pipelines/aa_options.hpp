@@ -26,6 +26,8 @@ struct AaOptions {
     std::string dispatch = "buckets";
     std::string k_levels = "all", k_filter;
     std::string resolve = kByPreset;
+    std::string demodulate = kByPreset;
+    std::string filter_highlights = kByPreset;
     std::string gbuffer = "auto";
     int tile = 0;
     float depth_weight = -1, normal_weight = -1, shading_weight = -1; ///< < 0: by the window

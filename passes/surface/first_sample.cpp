@@ -14,6 +14,7 @@ ImageHandle add_first_sample(Graph& graph, const ShadingInputs& in, const Shadin
                      ? "m = 1: one sample per pixel is the picture"
                      : "one shaded sample per pixel shows the metrics where shading varies");
     read_shading(pass, in);
+    if (in.means) pass.sample("surface_means", in.means);
     const ImageHandle out = pass.write("first_sample", image);
     pass.record([in, params](Commands& commands) {
         const shader::ShadePush push{.count = 1,
@@ -22,9 +23,10 @@ ImageHandle add_first_sample(Graph& graph, const ShadingInputs& in, const Shadin
             .stall = params.stall,
             .anisotropy = static_cast<float>(params.anisotropy),
             .loop_bound = 1};
-        const std::string shader = shading_variant("surface/first_sample.comp", "", in);
+        const std::string shader =
+            shading_variant("surface/first_sample.comp", in.means ? "stratified" : "", in);
         commands.dispatch_over({.shader = shader,
-                                   .specialization = shading_specialization(in),
+                                   .specialization = shading_specialization(in, bool(in.means)),
                                    .push = as_push(push)},
             {params.width, params.height, 1});
     });

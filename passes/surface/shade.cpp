@@ -65,17 +65,21 @@ std::string variant(std::string_view shader, std::string mode, const std::string
 }
 
 /// `shader` and `push` must outlive it.
-ComputeCall kernel(
-    const std::string& shader, const ShadingInputs& in, const shader::ShadePush& push) {
+ComputeCall kernel(const std::string& shader, const ShadingInputs& in, bool stratified,
+    const shader::ShadePush& push) {
     return {.shader = shader,
-        .specialization = shading_specialization(in),
+        .specialization = shading_specialization(in, stratified),
         .push = as_push(push)};
 }
 
-void read_counts(PassBuilder& pass, const AdaptiveInputs& counts, Stage stage = Stage::compute) {
+void read_counts(PassBuilder& pass, const ShadingInputs& in, const AdaptiveInputs& counts,
+    Stage stage = Stage::compute) {
     pass.read("first_sample", counts.first_sample, stage)
         .read("sample_count", counts.sample_count, stage);
-    if (counts.clusters) pass.sample("clusters", counts.clusters, stage);
+    if (!counts.clusters) return;
+    // Without means nothing reads them, but something must be bound.
+    pass.sample("clusters", counts.clusters, stage)
+        .sample("surface_means", in.means ? in.means : counts.clusters, stage);
 }
 
 /// Ranges of a list of pixels: those of one count each, or all as one.
@@ -88,7 +92,7 @@ ImageHandle add_shade_list(Graph& graph, const ShadingInputs& in, const ShadingP
             .most = n,
             .declare =
                 [=](PassBuilder& pass) {
-                    read_counts(pass, counts);
+                    read_counts(pass, in, counts);
                     pass.read("bucket_table", buckets.table)
                         .read("pixel_list", buckets.list)
                         .indirect(buckets.arguments);
@@ -101,7 +105,8 @@ ImageHandle add_shade_list(Graph& graph, const ShadingInputs& in, const ShadingP
                     const std::uint32_t most = by_count ? n : n + 1;
                     const std::uint32_t least = by_count ? std::max(2u, push.first + 1) : n + 1;
                     for (push.count = most; push.count >= least; --push.count) {
-                        commands.dispatch_indirect(kernel(shader, in, push), buckets.arguments,
+                        commands.dispatch_indirect(kernel(shader, in, bool(counts.clusters), push),
+                            buckets.arguments,
                             (push.count - 1) * sizeof(shader::DispatchArguments));
                     }
                 }});
@@ -121,7 +126,7 @@ ImageHandle add_shade_uniform(
                     const std::string shader =
                         variant("surface/shade.comp", "uniform", features, in);
                     commands.dispatch_over(
-                        kernel(shader, in, push), {params.width, params.height, 1});
+                        kernel(shader, in, false, push), {params.width, params.height, 1});
                 }});
 }
 
@@ -131,12 +136,12 @@ ImageHandle add_shade_loop(Graph& graph, const ShadingInputs& in, const ShadingP
         {.reason = "shades as many samples as each pixel's count says",
             .stratified = bool(counts.clusters),
             .most = params.m * params.m,
-            .declare = [=](PassBuilder& pass) { read_counts(pass, counts); },
+            .declare = [=](PassBuilder& pass) { read_counts(pass, in, counts); },
             .run =
                 [=](Commands& commands, const std::string& features, shader::ShadePush push) {
                     const std::string shader = variant("surface/shade.comp", "loop", features, in);
-                    commands.dispatch_over(
-                        kernel(shader, in, push), {params.width, params.height, 1});
+                    commands.dispatch_over(kernel(shader, in, bool(counts.clusters), push),
+                        {params.width, params.height, 1});
                 }});
 }
 
@@ -160,14 +165,15 @@ ImageHandle add_shade_repacked(Graph& graph, const ShadingInputs& in, const Shad
             .most = params.m * params.m,
             .declare =
                 [=](PassBuilder& pass) {
-                    read_counts(pass, counts);
+                    read_counts(pass, in, counts);
                     pass.read("tile_list", tiles.list).indirect(tiles.arguments);
                 },
             .run =
                 [=](Commands& commands, const std::string& features, shader::ShadePush push) {
                     const std::string shader =
                         variant("surface/shade_repack.comp", "", features, in);
-                    commands.dispatch_indirect(kernel(shader, in, push), tiles.arguments, 0);
+                    commands.dispatch_indirect(
+                        kernel(shader, in, bool(counts.clusters), push), tiles.arguments, 0);
                 }});
 }
 
@@ -179,7 +185,7 @@ ImageHandle add_shade_tested(Graph& graph, const ShadingInputs& in, const Shadin
             .width = params.width,
             .height = params.height});
     const auto declare = [=](PassBuilder& pass) mutable {
-        read_counts(pass, counts, Stage::fragment);
+        read_counts(pass, in, counts, Stage::fragment);
         // Each round writes it by its first draw and tests it in the others.
         target = stencil ? pass.stencil(target, 0) : pass.depth(target, 0.0f);
     };
@@ -196,7 +202,7 @@ ImageHandle add_shade_tested(Graph& graph, const ShadingInputs& in, const Shadin
         const std::string shader = variant("surface/shade.frag", "", features, in);
         commands.bind({.vertex_shader = kPlane,
             .fragment_shader = shader,
-            .specialization = shading_specialization(in),
+            .specialization = shading_specialization(in, bool(counts.clusters)),
             .depth_test = !stencil,
             .depth_write = false,
             .depth_equal = !stencil,

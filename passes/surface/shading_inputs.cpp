@@ -42,12 +42,16 @@ std::string shading_variant(
                     {"visibility", in.gbuffer.layout == GbufferLayout::visibility}});
 }
 
-Specialization shading_specialization(const ShadingInputs& in) {
+Specialization shading_specialization(const ShadingInputs& in, bool stratified) {
     const SceneFacts& facts = in.scene.scene->facts();
     Specialization out = gbuffer_specialization(in.gbuffer);
     out.insert(out.end(), {{SPEC_DIRECTIONAL_LIGHTS, facts.directional_lights > 0},
                               {SPEC_POINT_LIGHTS, facts.point_lights > 0},
                               {SPEC_SPOT_LIGHTS, facts.spot_lights > 0}});
+    if (stratified) {
+        out.insert(out.end(),
+            {{SPEC_DEMODULATE, in.demodulate}, {SPEC_FILTER_HIGHLIGHTS, in.filter_highlights}});
+    }
     return out;
 }
 

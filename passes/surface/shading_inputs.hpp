@@ -12,7 +12,10 @@ namespace ockham {
 struct ShadingInputs {
     SceneInputs scene;
     Gbuffer gbuffer;
-    ImageHandle shadow_map;         ///< empty: no shadow
+    ImageHandle shadow_map; ///< empty: no shadow
+    /// What samples take from all of their surface, surface_means.hpp; empty: nothing.
+    ImageHandle means = {};
+    bool demodulate = false, filter_highlights = false; ///< which of the means are used
     BufferHandle frame_before = {}; ///< FrameData of the execution before; empty: the camera stays
 };
 
@@ -28,8 +31,9 @@ void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage = Stag
 /// `shader` with the scene's features; `mode`: an extra leading feature, or empty.
 std::string shading_variant(
     std::string_view shader, std::string_view mode, const ShadingInputs& in);
-/// Of such kernels: the scene's lights, and what the G-buffer's layout needs.
-Specialization shading_specialization(const ShadingInputs& in);
+/// Of such kernels: the scene's lights, what the G-buffer's layout needs, and of those that are
+/// `stratified` which means are used.
+Specialization shading_specialization(const ShadingInputs& in, bool stratified = false);
 
 /// Loop iterations of one shaded sample, at most: stall, lights and texture taps together.
 std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams& params);

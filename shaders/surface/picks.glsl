@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // picks: which k of a pixel's n samples are shaded, one after another, and what each one weighs.
-// Used by all that shade several samples; needs `frame` (shared/frame.h).
+// Used by all that shade several samples; needs `frame` and Pick (shade_sample.glsl).
 //   prefix      the first k of the order, each of weight 1 (Hollaender et al. 2013, section 3.2)
 //   STRATIFIED  the picks are shared out among the window's surfaces (clusters.glsl) as seats are
 //               among parties, by d'Hondt; of each surface the first in the order. A pick stands
@@ -10,6 +10,7 @@
 
 #ifdef STRATIFIED
 #include "surface/clusters.glsl"
+#include "surface/surface_means.glsl"
 layout(binding = 15) uniform usampler2D clusters;
 #endif
 
@@ -18,12 +19,12 @@ struct Picks {
     uint rank; // where the next pick is looked for
     bool all;  // k = n
 #ifdef STRATIFIED
-    uint label;   // surface of the last pick, unless all
     uvec4 labels; // of all samples, by rank
     uint sizes;   // samples of each surface; this and the next two: 8 bits a label
     uint seats;   // picks of each surface
     uint left;    // those still to come
     uint seen;    // samples of surfaces with picks
+    uvec4 means;  // surface_means
 #endif
 };
 
@@ -58,7 +59,7 @@ Picks begin_picks(ivec2 pixel, uint k) {
     picks.all = k >= n;
 #ifdef STRATIFIED
     uvec4 words = texelFetch(clusters, pixel, 0);
-    picks.label = 0u;
+    picks.means = texelFetch(surface_means, pixel, 0);
     picks.labels = n <= 16u ? uvec4(words.x, 0u, 0u, 0u) : words;
     uvec4 sizes = cluster_sizes(picks.labels, n);
     uvec4 seats = share_picks(sizes, k, n);
@@ -70,14 +71,11 @@ Picks begin_picks(ivec2 pixel, uint k) {
     return picks;
 }
 
-/// Index in the window, row-major, of the next sample. Not to be called more than k times.
-/// `weight`: of its colour in the sum of k; all weights add up to k. `widening`: how much wider than
-/// one sample, per axis, what it stands for is.
-uint next_pick(inout Picks picks, out float weight, out float widening) {
+/// The next sample. Not to be called more than k times.
+Pick next_pick(inout Picks picks) {
     uint n = frame.data.m * frame.data.m;
     uint rank = picks.rank;
-    weight = 1.0;
-    widening = picks.all ? 1.0 : float(frame.data.m) * inversesqrt(float(picks.k));
+    Pick pick = Pick(0u, 1.0, picks.all ? 1.0 : float(frame.data.m) * inversesqrt(float(picks.k)), 0.0, 0u);
 #ifdef STRATIFIED
     uint label = cluster_label(picks.labels, rank);
     for (; !picks.all && rank + 1u < n && byte_of(picks.left, label) == 0u;) {
@@ -86,11 +84,16 @@ uint next_pick(inout Picks picks, out float weight, out float widening) {
     uint size = byte_of(picks.sizes, label), seats = byte_of(picks.seats, label);
     if (!picks.all && size < n) {
         picks.left -= 1u << 8u * label;
-        picks.label = label;
-        weight = float(size * picks.k) / float(picks.seen * seats);
-        widening = sqrt(float(size) / float(seats));
+        pick.weight = float(size * picks.k) / float(picks.seen * seats);
+        pick.widening = sqrt(float(size) / float(seats));
+    }
+    if (!picks.all && seats < size) {
+        pick.albedo = mean_albedo(picks.means, label);
+        // A share of 1/k: what varies between the picks needs no widening. None at k = n.
+        pick.roughening = roughening(picks.means, float(size - seats) / float(seats * (size - 1u)));
     }
 #endif
     picks.rank = rank + 1u;
-    return picks.all ? rank : frame.data.order[rank];
+    pick.index = picks.all ? rank : frame.data.order[rank];
+    return pick;
 }

@@ -16,10 +16,17 @@ struct ShadePush {
     uint loop_bound;  ///< most shaded samples per invocation: the host proves it suffices
 };
 
+struct SurfaceMeansPush {
+    float anisotropy; ///< as above
+};
+
 // Specialisation: light types that the scene has.
 #define SPEC_DIRECTIONAL_LIGHTS 0
 #define SPEC_POINT_LIGHTS 1
 #define SPEC_SPOT_LIGHTS 2
+// What samples that stand for others take from all of their surface.
+#define SPEC_DEMODULATE 3
+#define SPEC_FILTER_HIGHLIGHTS 4
 
 OCKHAM_SHARED_END
 

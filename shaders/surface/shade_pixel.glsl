@@ -30,17 +30,16 @@ bool is_done(uint k) {
 /// The sum so far. `picks`: of the pixel, just begun, moves on to the first that is missing, whose
 /// number `next` is.
 vec4 begin_sum(ivec2 pixel, uint k, inout Picks picks, out uint next) {
-    float weight, widening;
     next = push.first;
 #ifdef CONTINUE
-    for (uint i = 0u; i < next; ++i) next_pick(picks, weight, widening);
+    for (uint i = 0u; i < next; ++i) next_pick(picks);
     return imageLoad(shaded_sum, pixel);
 #else
 #ifndef UNIFORM
     if (k < frame.data.m * frame.data.m) {
-        next_pick(picks, weight, widening);
+        Pick pick = next_pick(picks);
         next = 1u;
-        return weight * imageLoad(first_sample, pixel);
+        return pick.weight * imageLoad(first_sample, pixel);
     }
 #endif
     return vec4(0.0);
@@ -55,9 +54,8 @@ void shade_pixel(ivec2 pixel, uint k) {
     precise vec4 sum = begin_sum(pixel, k, picks, first);
     uint last = min(min(push.last, k), first + push.loop_bound);
     for (uint i = first; i < last; ++i) {
-        float weight, widening;
-        uint index = next_pick(picks, weight, widening);
-        sum += weight * shade_sample(pixel, index, widening);
+        Pick pick = next_pick(picks);
+        sum += pick.weight * shade_sample(pixel, pick);
     }
     imageStore(shaded_sum, pixel, sum);
 }

@@ -11,7 +11,7 @@
 #include "surface/shade_pixel.glsl"
 
 #define LANES (BUCKET_TILE * BUCKET_TILE)
-#define CHUNK (4 * LANES) // pairs; 11 KiB of shared memory in all
+#define CHUNK (4 * LANES) // pairs; 13 KiB of shared memory in all
 
 layout(local_size_x = LANES) in;
 layout(scalar, binding = 10) readonly buffer TileList { uint count; uint items[]; } tile_list;
@@ -21,6 +21,8 @@ shared uint pairs_up_to[LANES]; // of the pixels of lanes 0 ... this one
 shared uint pair[CHUNK];        // lane of the pixel, index in the window << 8
 shared float pair_widening[CHUNK];
 shared float pair_weight[CHUNK];
+shared float pair_roughening[CHUNK];
+shared uint pair_albedo[CHUNK];
 shared vec4 color[CHUNK];
 
 /// Inclusive prefix sum over the lanes.
@@ -65,13 +67,19 @@ void main() {
         uint first = next;
         for (; next < min(end, base + chunk); ++next) {
             uint slot = next - base;
-            pair[slot] = lane | next_pick(picks, pair_weight[slot], pair_widening[slot]) << 8;
+            Pick pick = next_pick(picks);
+            pair[slot] = lane | pick.index << 8;
+            pair_widening[slot] = pick.widening;
+            pair_weight[slot] = pick.weight;
+            pair_roughening[slot] = pick.roughening;
+            pair_albedo[slot] = pick.albedo;
         }
         barrier();
         for (uint slot = lane; slot < chunk; slot += LANES) {
             uint owner = pair[slot] & 0xffu;
             ivec2 of = corner + ivec2(owner % BUCKET_TILE, owner / BUCKET_TILE);
-            precise vec4 weighted = pair_weight[slot] * shade_sample(of, pair[slot] >> 8, pair_widening[slot]);
+            Pick pick = Pick(pair[slot] >> 8, pair_weight[slot], pair_widening[slot], pair_roughening[slot], pair_albedo[slot]);
+            precise vec4 weighted = pick.weight * shade_sample(of, pick);
             color[slot] = weighted;
         }
         barrier();

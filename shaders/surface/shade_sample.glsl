@@ -30,6 +30,15 @@ layout(binding = 8) uniform sampler2D shadow_map;
 
 layout(push_constant, scalar) uniform Push { ShadePush push; };
 
+/// A sample of a pixel's window to be shaded, and what it stands for.
+struct Pick {
+    uint index;       // in the window, row-major
+    float weight;     // of its colour in the sum of k; all weights add up to k
+    float widening;   // how much wider than one sample, per axis, the part of the pixel is
+    float roughening; // what the normals there add to alpha^2
+    uint albedo;      // mean base colour there, as pack_color() has it; 0: its own
+};
+
 /// Factors by which the sample's own footprint is widened along x and y. `offset`: its place in the
 /// window.
 vec2 footprint_scale(ivec2 position, ivec2 offset, SurfaceSample s, float widening) {
@@ -107,11 +116,9 @@ float stall(float x) {
     return x < -1.0 ? 0.0 : 1.0;
 }
 
-/// `index`: of the sample in the pixel's window, row-major. `widening`: how much wider than one sample, per
-/// axis, the part of the pixel is that this sample stands for: m / sqrt(k).
 /// Returns linear radiance, and 1 where a surface is hit, 0 on background.
-vec4 shade_sample(ivec2 pixel, uint index, float widening) {
-    ivec2 offset = window_offset(int(index));
+vec4 shade_sample(ivec2 pixel, Pick pick) {
+    ivec2 offset = window_offset(int(pick.index));
     ivec2 position = pixel * int(frame.data.m) + offset;
     SurfaceSample s = fetch_surface(position);
     float unstalled = stall(s.depth);
@@ -125,10 +132,10 @@ vec4 shade_sample(ivec2 pixel, uint index, float widening) {
     float roughness = material.roughness;
     float occlusion = 1.0;
 #if defined(COLOR_TEXTURES) || defined(DATA_TEXTURES)
-    vec2 scale = footprint_scale(position, offset, s, widening);
+    vec2 scale = footprint_scale(position, offset, s, pick.widening);
 #endif
 #ifdef COLOR_TEXTURES
-    if (material.base_color_texture.layer >= 0)
+    if (pick.albedo == 0u && material.base_color_texture.layer >= 0)
         base_color *= lookup(color_textures, material.base_color_texture, s, scale);
     if (material.emissive_texture.layer >= 0)
         emissive *= lookup(color_textures, material.emissive_texture, s, scale).rgb;
@@ -144,9 +151,11 @@ vec4 shade_sample(ivec2 pixel, uint index, float widening) {
         occlusion = 1.0 + material.occlusion_strength * (t - 1.0);
     }
 #endif
+    if (pick.albedo != 0u) base_color.rgb = unpack_color(pick.albedo);
     if ((material.flags & MATERIAL_UNLIT) != 0u) return vec4(base_color.rgb * unstalled, 1.0);
 
     Surface surface = make_surface(base_color.rgb, metallic, roughness, material.reflectance);
+    surface.alpha2 = min(surface.alpha2 + pick.roughening, 1.0);
     float depth = view_depth(s.depth);
     vec3 world = sample_world(position, depth);
     vec3 v = to_camera(world);

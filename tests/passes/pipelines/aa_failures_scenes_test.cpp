@@ -2,7 +2,10 @@
 // Where adaptive anti-aliasing breaks, in scenes with textures, shadows and highlights: fences that
 // recede, leaf cards, shadow edges. The numbers of the rows are those of docs/testing.md; what
 // needs flat colours only is in aa_failures_test.cpp.
+#include "framework/core/rng.hpp"
 #include "framework/image_error/flicker.hpp"
+#include "framework/image_error/image_error.hpp"
+#include "framework/image_error/mse.hpp"
 #include "framework/scene/builtin.hpp"
 #include "tests/passes/pipelines/aa_failures.hpp"
 
@@ -110,6 +113,58 @@ TEST_F(AaFailuresScenes, ShadowEdgeOnAFlatWall) {
     EXPECT_LT(largest_error(better.radiance, full, off_edge), 1e-5f);
     p.metrics.shading_weight = 0;
     EXPECT_EQ(render(lit, camera, p).most(), 1) << "nothing in the G-buffer shows it";
+}
+
+// Row 14: fine bumps on polished metal. Each of its facets flashes where it mirrors the lamp.
+Scene sparkling_plane(int size, float turn) {
+    constexpr int kBumps = 64; // of a quarter of a pixel
+    Scene scene;
+    scene.materials = {Material{}};
+    scene.materials[0].metallic = 1;
+    scene.materials[0].roughness = 0.05f;
+    Pcg32 rng(14);
+    scene.materials[0].normal_texture.image = add_image(scene, kBumps, kBumps, [&](int, int) {
+        const auto slope = [&] {
+            return static_cast<unsigned char>(128 + 20 * (rng.uniform() + rng.uniform() - 1));
+        };
+        return glm::u8vec4{slope(), slope(), 255, 255}; // braces: in this order
+    });
+    const auto side = static_cast<float>(size);
+    add(scene, rectangle({0, 0, 0}, {side, 0, 0}, {0, side, 0}, 0, glm::vec2(4 * side / kBumps)));
+    scene.lights.push_back({.name = "lamp",
+        .type = LightType::directional,
+        .direction = glm::normalize(glm::vec3(turn, 0.02f, -1)),
+        .intensity = glm::vec3(0.01f)});
+    return scene;
+}
+
+TEST_F(AaFailuresScenes, HighlightsBelowAPixel) {
+    constexpr int kSize = 32, kFrames = 4;
+    struct Method {
+        AdaptiveAaParams p;
+        double peak = 0, sum = 0, error = 0;
+        double peak_to_mean() const { return peak * kFrames / sum; }
+    };
+    AdaptiveAaParams sharp = ours(kSize, kSize), filtered = sharp;
+    filtered.filter_highlights = true;
+    Method methods[] = {{paper(kSize, kSize)}, {sharp}, {filtered}};
+    const Camera camera = pixel_camera(kSize, kSize);
+    for (int frame = 0; frame < kFrames; ++frame) {
+        const LitScene lit(device(), sparkling_plane(kSize, 0.01f * static_cast<float>(frame)));
+        const Image right = truth(lit, camera, kSize, kSize);
+        for (Method& method : methods) {
+            const Image picture = render(lit, camera, method.p).radiance;
+            const std::span<const float> green = picture.plane(1);
+            method.peak = std::max<double>(method.peak, *std::ranges::max_element(green));
+            method.sum += mean(picture, 0, kSize);
+            method.error += mse(displayed(picture), displayed(right)) / kFrames;
+        }
+    }
+    const auto& [printed, unfiltered, ours] = methods;
+    EXPECT_LE(ours.peak_to_mean(), printed.peak_to_mean() / 5);
+    EXPECT_LT(ours.peak_to_mean(), unfiltered.peak_to_mean() / 2);
+    EXPECT_GT(psnr(ours.error), psnr(unfiltered.error) + 3);
+    EXPECT_GT(psnr(ours.error), psnr(printed.error) + 3);
 }
 
 // Row 16: a camera that moves by a fraction of a pixel per frame, at equal numbers of samples.

@@ -329,6 +329,8 @@ TEST_F(AdaptiveAaTest, StratifiedIsPrefixWhereOneSurfaceIsSeenAndFullWhereAllAre
     p.lambda = 0.0f;
     p.resolve = Resolve::stratified;
     EXPECT_TRUE(equal_bits(render(p), full)) << "k = n everywhere";
+    p.demodulate = p.filter_highlights = true;
+    EXPECT_TRUE(equal_bits(render(p), full)) << "a sample that stands for itself needs no means";
 
     // Two half-lit walls of one surface each: k varies, labels do not.
     Scene scene;
@@ -588,12 +590,40 @@ TEST_F(AdaptiveAaTest, EveryBackEndSharesSamplesOutAlike) {
     p.metric = MetricKind::ockham;
     p.resolve = Resolve::stratified;
     p.dispatch = Dispatch::loop;
+    const Image plain = render(p);
+    p.demodulate = p.filter_highlights = true;
     const Image loop = render(p);
+    EXPECT_FALSE(equal_bits(loop, plain)) << "colours and lobes of whole surfaces";
     for (const Dispatch dispatch : kDispatches) {
         if (dispatch == Dispatch::stencil && !device().exports_stencil()) continue;
         p.dispatch = dispatch;
         EXPECT_TRUE(equal_bits(render(p), loop)) << name_of(dispatch);
     }
+}
+
+TEST_F(AdaptiveAaTest, MeansOfSurfacesExistWhereSamplesTakeThem) {
+    Scene plain;
+    plain.materials = {Material{}};
+    add(plain, rectangle({-9, -9, 0}, {99, 0, 0}, {0, 99, 0}));
+    const LitScene untextured(device(), plain);
+    AdaptiveAaParams p = params(8, 8, 2, AaMethod::adaptive);
+    const auto why_not = [&](const LitScene& lit) {
+        AdaptiveAa aa(device(), lit, camera(), p);
+        if (runs(aa, "surface_means")) return std::string("runs");
+        const std::string text = explanation(aa), from = "'surface_means'";
+        const std::size_t at = text.find(from);
+        return at == std::string::npos ? text : text.substr(at, text.find('\n', at) - at);
+    };
+    p.demodulate = p.filter_highlights = true;
+    EXPECT_NE(why_not(varied()).find("knows no surfaces"), std::string::npos) << why_not(varied());
+    p.resolve = Resolve::stratified;
+    EXPECT_EQ(why_not(varied()), "runs");
+    EXPECT_EQ(why_not(untextured), "runs");
+    p.filter_highlights = false;
+    EXPECT_EQ(why_not(varied()), "runs");
+    EXPECT_NE(why_not(untextured).find("no material has a colour image"), std::string::npos);
+    p.demodulate = false;
+    EXPECT_NE(why_not(varied()).find("no --demodulate"), std::string::npos);
 }
 
 TEST_F(AdaptiveAaTest, EveryBackEndRunsOnlyItsOwnPasses) {
