@@ -14,9 +14,13 @@ namespace {
 Camera between(const Camera& a, const Camera& b, float t, UpAxis up) {
     if (t == 0.0f || t == 1.0f) return t == 0.0f ? a : b; // the keys to the bit
 
-    const glm::vec3 position = glm::mix(a.position, b.position, t);
-    const glm::vec3 forward = glm::mix(a.forward, b.forward, t);
-    return look_at(position, position + forward, glm::mix(a.fov_y_degrees, b.fov_y_degrees, t), up);
+    glm::vec3 forward = glm::mix(a.forward, b.forward, t);
+    if (!(glm::length(forward) > 1e-6f)) forward = a.forward; // half-way between opposite ones
+    // About the origin: far from it, a step of length 1 may be lost.
+    Camera camera =
+        look_at(glm::vec3(0.0f), forward, glm::mix(a.fov_y_degrees, b.fov_y_degrees, t), up);
+    camera.position = glm::mix(a.position, b.position, t);
+    return camera;
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 
 #include "framework/core/error.hpp"
 #include "framework/core/file.hpp"
+#include "framework/core/json_object.hpp"
 #include "framework/graph/fingerprint.hpp"
 
 #include <cstring>
@@ -92,6 +93,7 @@ Checkpoint load_checkpoint(const std::filesystem::path& path, const ordered_json
     std::memcpy(&length, take(sizeof(length)).data(), sizeof(length));
     const std::span<const std::byte> text = take(length);
     const auto* first = reinterpret_cast<const char*>(text.data());
+    if (is_too_deep({first, text.size()})) refuse(path, "its header is damaged");
     const ordered_json header = ordered_json::parse(first, first + text.size(), nullptr, false);
     Checkpoint checkpoint;
     try {

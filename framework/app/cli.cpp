@@ -3,6 +3,7 @@
 
 #include "framework/core/error.hpp"
 #include "framework/core/file.hpp"
+#include "framework/core/json_object.hpp"
 #include "framework/core/log.hpp"
 #include "framework/core/version.hpp"
 #include "framework/gpu/pipeline.hpp"
@@ -202,10 +203,8 @@ std::optional<int> parse_command_line(
         return 0;
     }
     if (!options.config.empty()) {
-        const nlohmann::json json =
-            nlohmann::json::parse(read_text(options.config), nullptr, false);
-        if (json.is_discarded()) fail_input("'{}' is not JSON", options.config);
-        params.from_json(json, fmt::format("'{}'", options.config));
+        params.from_json(
+            parse_json(options.config, "run file"), fmt::format("'{}'", options.config));
     }
     if (!options.dump_config.empty()) {
         write_text(options.dump_config,
@@ -289,8 +288,11 @@ std::optional<Camera> parse_camera(const std::string& text, UpAxis up) {
                              f = parse_numbers(fov_text);
     if (p.size() != 3 || t.size() != 3 || f.size() != 1 || !more.empty()) return {};
     const glm::vec3 position(p[0], p[1], p[2]), target(t[0], t[1], t[2]);
-    if (!(glm::dot(target - position, target - position) > 1e-30f))
-        fail_input("--camera: position and target are both {}", position_text);
+    const float square = glm::dot(target - position, target - position);
+    if (!(square > 1e-30f)) fail_input("--camera: position and target are both {}", position_text);
+    if (!std::isfinite(square))
+        fail_input(
+            "--camera: position {} and target {} are too far apart", position_text, target_text);
     if (!(f[0] > 0.0f && f[0] < 180.0f))
         fail_input("--camera: found a field of view of {} degrees, expected 0 to 180", f[0]);
     return look_at(position, target, f[0], up);

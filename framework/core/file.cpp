@@ -40,7 +40,7 @@ private:
 
 template <class Container>
 Container read_whole(const fs::path& path, std::size_t max_bytes) {
-    Descriptor file(path, O_RDONLY);
+    Descriptor file(path, O_RDONLY | O_NONBLOCK); // a pipe would wait for its writer
     if (!file) fail_input("cannot open '{}': {}", path.string(), reason());
     struct stat info {};
     if (::fstat(file.get(), &info) != 0)

@@ -96,10 +96,33 @@ void JsonObject::refuse(const std::string& place, const json& found, const char*
         text.substr(0, 64), expected);
 }
 
+bool is_too_deep(std::string_view text) {
+    int depth = 0;
+    bool in_string = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (in_string && c == '\\') {
+            ++i;
+        } else if (c == '"') {
+            in_string = !in_string;
+        } else if (!in_string && (c == '{' || c == '[')) {
+            if (++depth > kMaxJsonDepth) return true;
+        } else if (!in_string && (c == '}' || c == ']')) {
+            --depth;
+        }
+    }
+    return false;
+}
+
 json parse_json(const std::filesystem::path& path, const std::string& kind) {
     constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
+    const std::string text = read_text(path, kMaxBytes);
+    if (is_too_deep(text)) {
+        fail_input("cannot load {} '{}': its JSON is nested deeper than {} levels", kind,
+            path.string(), kMaxJsonDepth);
+    }
     try {
-        return json::parse(read_text(path, kMaxBytes));
+        return json::parse(text);
     } catch (const json::exception& error) {
         const std::string reason = error.what();
         fail_input("cannot load {} '{}': not valid JSON: {}", kind, path.string(),

@@ -65,6 +65,13 @@ private:
     std::string place_; ///< in the file: "points[3]"; empty for its root
 };
 
+/// Deeper JSON is refused: what walks it calls itself once for each level.
+constexpr int kMaxJsonDepth = 128;
+
+/// True if the text nests deeper than kMaxJsonDepth. (The parser could tell in a callback, but
+/// takes quadratic time then.)
+bool is_too_deep(std::string_view text);
+
 /// Parses a file of at most 64 MiB. Throws Error(input) naming `kind` and the path.
 nlohmann::json parse_json(const std::filesystem::path& path, const std::string& kind);
 

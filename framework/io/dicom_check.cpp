@@ -165,17 +165,28 @@ private:
             return;
         }
         // Packed pixels: items until the end of their sequence (PS3.5, A.4).
+        std::uint64_t packed = 0;
         while (true) {
             const std::size_t item = at_;
             need(item, 8);
             const Element piece{number(at_, 2, false) << 16 | number(at_ + 2, 2, false), {},
                 number(at_ + 4, 4, false)};
             at_ += 8;
-            if (piece.tag == kSequenceEnd) return;
+            if (piece.tag == kSequenceEnd) return check_packed(start, packed);
             if (piece.tag != kItem) fail(item, "is none of the pieces of its pixels");
             need(item, piece.length);
             at_ += piece.length;
+            packed += piece.length;
         }
+    }
+
+    /// Before room is made for what so few bytes cannot hold, by a generous guess.
+    void check_packed(std::size_t start, std::uint64_t packed) const {
+        constexpr std::uint64_t kMaxRatio = 1 << 16;
+        const std::uint64_t pixels = std::uint64_t{rows_} * columns_;
+        if (frames_ <= kMaxRatio * (packed + 1) / std::max<std::uint64_t>(pixels, 1)) return;
+        fail(start, fmt::format("has {} bytes for {} frames of {} x {} pixels", packed, frames_,
+                        columns_, rows_));
     }
 
     std::span<const std::byte> bytes_;

@@ -6,6 +6,7 @@
 #include "framework/core/log.hpp"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfCompression.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
@@ -153,6 +154,34 @@ Window checked_window(const Imf::Header& header, std::int64_t channels) {
     return {static_cast<int>(width), static_cast<int>(height)};
 }
 
+/// Values that a byte of the file may unpack to at most, of at least two bytes each. Deflate has the
+/// ratio 1032; of the other methods that pack long runs this is a generous guess.
+std::uint64_t most_values_per_byte(Imf::Compression method) {
+    switch (method) {
+    case Imf::NO_COMPRESSION:
+    case Imf::B44_COMPRESSION:
+        return 2;
+    case Imf::RLE_COMPRESSION:
+        return 64;
+    case Imf::ZIPS_COMPRESSION:
+    case Imf::ZIP_COMPRESSION:
+    case Imf::PXR24_COMPRESSION:
+        return 1032;
+    default:
+        return 1 << 17;
+    }
+}
+
+/// Before room is made for what a small file cannot hold.
+void refuse_too_few_bytes(
+    const Imf::Header& header, Window window, std::uint64_t channels, std::uint64_t bytes) {
+    const auto pixels = static_cast<std::uint64_t>(window.width) * window.height;
+    if (pixels * channels / most_values_per_byte(header.compression()) <= bytes) return;
+    throw std::runtime_error(fmt::format("its {} x {} pixels of {} channels cannot be in its {} "
+                                         "bytes; it is damaged or cut off",
+        window.width, window.height, channels, bytes));
+}
+
 /// R, G, B, A first, then the file's (alphabetical) order.
 std::vector<std::string> channel_names(const Imf::ChannelList& list) {
     std::vector<std::string> names;
@@ -181,6 +210,7 @@ Image decode(std::span<const std::byte> bytes, const std::string& path) {
     }
     const std::vector<std::string> names = channel_names(header.channels());
     const Window window = checked_window(header, static_cast<std::int64_t>(names.size()));
+    refuse_too_few_bytes(header, window, names.size(), bytes.size());
     const Imath::Box2i box = header.dataWindow();
 
     Image image(window.width, window.height, names);

@@ -23,9 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Vertices and indices of one file, summed over its primitives, which may share accessors: a small
-/// file could otherwise fill the memory.
+/// Vertices and indices of one file, summed over its primitives, which may share accessors or have
+/// no data: a small file could otherwise fill the memory.
 constexpr std::size_t kMaxElements = std::size_t{1} << 28;
+constexpr std::size_t kElementsOfAnyFile = std::size_t{1} << 22;
+constexpr std::size_t kElementsPerByte = 64;
 
 tinygltf::Model parse(const GltfFile& file, const GltfFindings& findings) {
     tinygltf::TinyGLTF parser;
@@ -244,9 +246,14 @@ private:
                 if (primitive.indices >= 0) elements += model_.accessors[primitive.indices].count;
             }
         }
-        if (elements > kMaxElements) {
-            findings_.fatal("its primitives have {} vertices and indices, at most {} are accepted",
-                elements, kMaxElements);
+        std::size_t bytes = 0;
+        for (const std::vector<std::byte>& buffer : file_.buffers) bytes += buffer.size();
+        const std::size_t limit =
+            std::min(kMaxElements, kElementsOfAnyFile + kElementsPerByte * bytes);
+        if (elements > limit) {
+            findings_.fatal("its primitives have {} vertices and indices, at most {} are accepted "
+                            "of a file with {} bytes of data",
+                elements, limit, bytes);
         }
     }
 

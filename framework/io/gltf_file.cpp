@@ -2,6 +2,7 @@
 #include "framework/io/gltf_file.hpp"
 
 #include "framework/core/file.hpp"
+#include "framework/core/json_object.hpp"
 #include "framework/io/gltf_check.hpp"
 #include "framework/io/gltf_container.hpp"
 #include "framework/io/gltf_pictures.hpp"
@@ -19,29 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-/// Deeper JSON is refused: tinygltf converts `extras` and `extensions` recursively.
-constexpr int kMaxJsonDepth = 128;
-
-/// True if the text nests deeper than kMaxJsonDepth. (The parser could tell in a callback, but
-/// takes quadratic time then.)
-bool is_too_deep(std::string_view text) {
-    int depth = 0;
-    bool in_string = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (in_string && c == '\\') {
-            ++i;
-        } else if (c == '"') {
-            in_string = !in_string;
-        } else if (!in_string && (c == '{' || c == '[')) {
-            if (++depth > kMaxJsonDepth) return true;
-        } else if (!in_string && (c == '}' || c == ']')) {
-            --depth;
-        }
-    }
-    return false;
-}
 
 json parse_json(std::string_view text, const GltfFindings& findings) {
     if (text.starts_with("\xEF\xBB\xBF")) {

@@ -24,6 +24,8 @@ namespace {
 constexpr std::int64_t kMaxValues = std::int64_t{1} << 28;
 constexpr std::array<unsigned char, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 constexpr std::size_t kChunkFrame = 12; // length, type, checksum
+/// Pixels, of one bit at least, that a byte may unpack to: deflate has the ratio 1032.
+constexpr std::int64_t kMaxPixelsPerByte = 8 * 1032;
 
 std::uint8_t to_byte(float unit) {
     return static_cast<std::uint8_t>(std::lround(std::clamp(unit, 0.0f, 1.0f) * 255.0f));
@@ -192,6 +194,10 @@ Image load_png(const std::filesystem::path& path) {
         fail_input("cannot read '{}' as PNG: it has {} x {} pixels of {} channels, the limit is {} "
                    "values",
             path.string(), width, height, components, kMaxValues);
+    }
+    if (std::int64_t{width} * height > kMaxPixelsPerByte * size) {
+        fail_input("cannot read '{}' as PNG: its {} x {} pixels cannot be in its {} bytes",
+            path.string(), width, height, size);
     }
     const auto decode = [&](auto* load, auto value) {
         using Value = decltype(value);

@@ -5,6 +5,7 @@
 
 #include <stb_image.h>
 
+#include <cstdint>
 #include <limits>
 #include <memory>
 
@@ -12,6 +13,8 @@ namespace ockham {
 namespace {
 
 constexpr int kMaxSide = 16384;
+/// Pixels that a byte may unpack to: of PNG (deflate, one bit each); JPEG and others have fewer.
+constexpr std::int64_t kMaxPixelsPerByte = 8 * 1032;
 
 } // namespace
 
@@ -30,6 +33,10 @@ TextureImage decode_texture(std::span<const std::byte> encoded) {
     if (image.width < 1 || image.height < 1 || image.width > kMaxSide || image.height > kMaxSide) {
         fail_input("the picture has {} x {} pixels, sides from 1 to {} are accepted", image.width,
             image.height, kMaxSide);
+    }
+    if (std::int64_t{image.width} * image.height > kMaxPixelsPerByte * size) {
+        fail_input("the picture's {} x {} pixels cannot be in its {} bytes", image.width,
+            image.height, size);
     }
     const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
         stbi_load_from_memory(bytes, size, &image.width, &image.height, &channels, 4),

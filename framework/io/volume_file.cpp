@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/io/volume_file.hpp"
 
+#include "framework/io/volume_child.hpp"
 #include "framework/io/volume_readers.hpp"
 #include "framework/scene/builtin_volume.hpp"
 
@@ -57,17 +58,26 @@ Volume read(const Source& source) {
         fail_input("cannot load volume '{}': {}", path.string(),
             error ? error.message() : "no such file or folder");
     }
+    if (!fs::is_regular_file(status) && !fs::is_directory(status)) {
+        fail_input("cannot load volume '{}': it is neither a file nor a folder", path.string());
+    }
     // Discarded branches need no reader to link.
     if (ends_with(path, {".dcm"}) || fs::is_directory(status)) {
-        if constexpr (kItk) return load_dicom_volume(path, source.part);
+        if constexpr (kItk)
+            return load_in_child(
+                path, Memory::by_file_size, [&] { return load_dicom_volume(path, source.part); });
         fail_without(path, kItkLacks);
     }
     if (ends_with(path, {".vdb"})) {
-        if constexpr (kOpenVdb) return load_openvdb_volume(path, source.part);
+        if constexpr (kOpenVdb)
+            return load_in_child(
+                path, Memory::any, [&] { return load_openvdb_volume(path, source.part); });
         fail_without(path, kOpenVdbLacks);
     }
     if (ends_with(path, {".nvdb"})) {
-        if constexpr (kNanoVdb) return load_nanovdb_volume(path, source.part);
+        if constexpr (kNanoVdb)
+            return load_in_child(
+                path, Memory::any, [&] { return load_nanovdb_volume(path, source.part); });
         fail_without(path, kNanoVdbLacks);
     }
     if (!source.part.empty()) {
@@ -76,7 +86,8 @@ Volume read(const Source& source) {
     }
     if (ends_with(path, {".json"})) return load_raw_volume(path);
     if (ends_with(path, {".nrrd", ".nhdr", ".nii", ".nii.gz", ".mhd", ".mha"})) {
-        if constexpr (kItk) return load_itk_volume(path);
+        if constexpr (kItk)
+            return load_in_child(path, Memory::any, [&] { return load_itk_volume(path); });
         fail_without(path, kItkLacks);
     }
     if (ends_with(path, {".raw", ".raw.gz"})) {

@@ -79,6 +79,22 @@ Kind kind_of(const fs::path& path) {
     return extension == ".nrrd" || extension == ".nhdr" ? Kind::nrrd : Kind::nifti;
 }
 
+/// What makes the libraries write beyond their buffers, or count for minutes.
+void refuse_dangerous_line(const fs::path& path, const std::string& line, bool is_meta) {
+    constexpr std::size_t kMaxLine = 512;
+    if (!is_meta && line.size() > kMaxLine && !line.starts_with('#')) {
+        fail_input("cannot load volume '{}': its header has a line of {} characters, at most {} "
+                   "are accepted",
+            path.string(), line.size(), kMaxLine);
+    }
+    const std::size_t mark = line.find('=');
+    if (!is_meta || lower(trimmed(line.substr(0, mark))) != "ndims") return;
+    const std::string count = trimmed(line.substr(std::min(mark, line.size() - 1) + 1));
+    if (count.size() == 1 && count[0] >= '1' && count[0] <= '9') return;
+    fail_input("cannot load volume '{}': NDims is '{}', expected 1 to 9", path.string(),
+        count.substr(0, 64));
+}
+
 TextHeader read_header(const fs::path& path, bool is_meta) {
     constexpr std::uint64_t kMaxHeader = std::uint64_t{1} << 20;
     std::ifstream stream(path, std::ios::binary);
@@ -88,6 +104,7 @@ TextHeader read_header(const fs::path& path, bool is_meta) {
     while (header.bytes < kMaxHeader && std::getline(stream, line)) {
         header.bytes += line.size() + 1;
         line = trimmed(line);
+        refuse_dangerous_line(path, line, is_meta);
         if (ended) {
             header.rest.push_back(line);
             continue;
@@ -116,6 +133,12 @@ std::vector<fs::path> data_files(const fs::path& path, const TextHeader& header)
     if (!is_list(name)) files.push_back(path_beside(path, name));
     for (const std::string& line : header.rest) {
         if (!line.empty()) files.push_back(path_beside(path, line));
+    }
+    std::error_code ignored;
+    for (const fs::path& file : files) {
+        if (!fs::exists(file, ignored) || fs::is_regular_file(file, ignored)) continue;
+        fail_input("cannot load volume '{}': '{}', which it names, is no file", path.string(),
+            file.filename().string());
     }
     return files;
 }

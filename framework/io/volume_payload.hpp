@@ -16,8 +16,9 @@ struct StatedVoxels {
     std::string text; ///< "2 x 3 x 4 voxels of type short"
 };
 
-/// Throws Error(input) if a file that it refers to is elsewhere than in its folder. To be called
-/// before a reader opens it.
+/// Throws Error(input) if a file that it refers to is elsewhere than in its folder or no file, or if
+/// its header is of a kind that the libraries do not survive. To be called before a reader opens
+/// it.
 void check_references(const std::filesystem::path& path);
 
 /// Throws Error(input) if fewer bytes are there than stated, or packed ones are damaged. To be

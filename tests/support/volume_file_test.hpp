@@ -5,44 +5,15 @@
 #include "framework/core/error.hpp"
 #include "framework/io/volume_file.hpp"
 #include "tests/support/file_test.hpp"
+#include "tests/support/volume_bytes.hpp"
 
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
-#include <cstring>
 #include <fstream>
 #include <string>
 #include <string_view>
-#include <tuple>
-#include <utility>
 
 namespace ockham::test {
-
-/// The bytes of `count` values first, first + 1, ...
-template <class T>
-std::string ramp(std::size_t count, T first) {
-    std::string bytes(count * sizeof(T), '\0');
-    for (std::size_t i = 0; i < count; ++i) {
-        const T value = static_cast<T>(first + static_cast<T>(i));
-        std::memcpy(bytes.data() + i * sizeof(T), &value, sizeof(T));
-    }
-    return bytes;
-}
-
-/// A gzip stream, or with `bits` of 15 a zlib stream.
-inline std::string gzip(std::string_view bytes, int bits = 15 + 16) {
-    std::string packed(bytes.size() + 100, '\0');
-    z_stream stream{};
-    deflateInit2(&stream, 9, Z_DEFLATED, bits, 8, Z_DEFAULT_STRATEGY);
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream.avail_in = static_cast<uInt>(bytes.size());
-    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-    stream.avail_out = static_cast<uInt>(packed.size());
-    EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-    packed.resize(stream.total_out);
-    deflateEnd(&stream);
-    return packed;
-}
 
 class VolumeFileTest : public FileTest {
 protected:

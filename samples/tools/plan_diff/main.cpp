@@ -3,6 +3,7 @@
 // whether B keeps a budget. Needs no device; --replan plans both anew with this build's compiler.
 #include "framework/core/error.hpp"
 #include "framework/core/file.hpp"
+#include "framework/core/json_object.hpp"
 #include "framework/core/log.hpp"
 #include "framework/graph/explain/budget.hpp"
 #include "framework/graph/explain/dump.hpp"
@@ -28,8 +29,7 @@ struct Arguments {
 };
 
 nlohmann::json load(const std::string& path, bool replan) {
-    nlohmann::json plan = nlohmann::json::parse(read_text(path), nullptr, false);
-    if (plan.is_discarded()) fail_input("'{}' is not JSON", path);
+    nlohmann::json plan = parse_json(path, "plan file");
     try {
         if (!replan) {
             plan_diff(plan, plan); // says what is wrong with it, if anything
