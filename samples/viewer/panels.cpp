@@ -413,7 +413,6 @@ void Viewer::draw_message() {
     if (ImGui::SmallButton("dismiss")) {
         message_.clear();
         complaints_.clear();
-        message_is_error_ = false;
     }
     ImGui::End();
     ImGui::PopStyleColor();

@@ -62,11 +62,9 @@ void Viewer::open(std::unique_ptr<Subject> subject) {
 void Viewer::attempt(const std::function<void()>& action) {
     try {
         action();
-        if (message_is_error_) message_.clear(), message_is_error_ = false;
     } catch (const Error& error) {
         if (subject_->frames > 0) throw; // nobody is there to read
         message_ = error.what();
-        message_is_error_ = true;
         log::warning("{}", message_);
     }
 }
@@ -257,15 +255,18 @@ bool Viewer::render() {
     Technique& technique = *subject_->technique;
     bool wants = dirty_ || (hasty_ && !hurry) || (!hurry && !technique.finished());
     if (subject_->frames > 0) wants = steps_ < subject_->frames;
-    if (frozen_ || (message_is_error_ && !dirty_) || !wants) return false;
+    if (frozen_ || (failed_ && !dirty_) || !wants) return false;
     if (!hurry && !rests()) return false;
     const glm::ivec2 size = glm::max(area_ / (hurry ? hurry_.divisor() : 1), glm::ivec2(8));
+    failed_ = true; // until it has not
     attempt([&] {
         const Timer timer;
         technique.render(glm::uvec2(size), hurry);
         picture_ = technique.picture();
         render_ms_ = timer.milliseconds();
         hasty_ = hurry;
+        message_.clear();
+        failed_ = false;
         if (!hurry) ++steps_, full_ms_ = render_ms_;
     });
     dirty_ = false;
@@ -303,7 +304,7 @@ void Viewer::show() {
 void Viewer::run() {
     while (!window_.should_close() && !interrupted()) {
         const bool idle = !dirty_ && !redraw_ && !hasty_ &&
-                          (frozen_ || message_is_error_ || subject_->technique->finished()) &&
+                          (frozen_ || failed_ || subject_->technique->finished()) &&
                           (!rival_ || frozen_ || rival_->finished()) && !want_shot_ &&
                           subject_->frames == 0;
         window_.poll(idle ? 0.5 : 0);
@@ -324,7 +325,7 @@ void Viewer::run() {
         if (loupe_) draw_loupe_window();
         const bool rendered = render();
         if (!rendered) render_rival();
-        show();
+        attempt([&] { show(); });
         // The widgets need some frames to settle.
         const bool last = subject_->frames > 0 && steps_ >= subject_->frames && frames_ >= 3;
         Canvas shot;

@@ -124,7 +124,7 @@ private:
     double render_ms_ = 0, frame_ms_ = 0;
     double full_ms_ = 0;  ///< of the last whole picture
     std::string message_; ///< an error, until something works
-    bool message_is_error_ = false;
+    bool failed_ = false; ///< render() did, and need not try again before something changes
 
     std::string overlay_;
     std::optional<glm::ivec2> loupe_; ///< pixel of the canvas

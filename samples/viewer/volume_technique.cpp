@@ -4,12 +4,18 @@
 #include "framework/core/error.hpp"
 #include "framework/gpu/device.hpp"
 #include "passes/volume/frame.hpp"
+#include "samples/viewer/cell_grid.hpp"
+#include "shaders/volume/cache.h"
 
 #include <algorithm>
+#include <cstring>
 #include <set>
 
 namespace ockham::viewer {
 namespace {
+
+constexpr const char* kMajorantCells = "majorant cells";
+constexpr const char* kCacheCells = "cache cells";
 
 const std::set<std::string> kViewNames{"density-scale", "albedo", "phase-g", "light", "crop",
     "clip-plane", "volume-gain", "iso", "iso-material", "shading", "surface-gain", "max-bounces",
@@ -135,9 +141,37 @@ void VolumeTechnique::render(glm::uvec2 size, bool hurry) {
         !hurry && gi_->steps() >= static_cast<std::uint64_t>(options_.steps) && gi_->finished();
 }
 
-std::vector<std::string> VolumeTechnique::overlays() const { return {}; }
+std::vector<std::string> VolumeTechnique::overlays() const { return {kMajorantCells, kCacheCells}; }
 
-std::optional<Overlay> VolumeTechnique::overlay(const std::string&) { return {}; }
+std::optional<Overlay> VolumeTechnique::overlay(const std::string& name) {
+    if (!gi_) return {};
+    Executor& executor = gi_->executor();
+    const bool cache = name == kCacheCells;
+    const BufferHandle buffer = executor.graph().find_buffer(cache ? "cache_index" : "majorants");
+    if (!buffer) return {}; // one majorant for all, or no cache
+    const std::vector<std::byte> bytes = executor.read(buffer);
+    CellGrid grid{.place = place_of(source_.volume), .dims = source_.volume.dims};
+    const glm::ivec2 half = glm::max(glm::ivec2(size_) / 2, glm::ivec2(1));
+    if (!cache) {
+        grid.side = RANGE_CELL;
+        std::vector<float> majorants(bytes.size() / sizeof(float));
+        std::memcpy(majorants.data(), bytes.data(), bytes.size());
+        Overlay overlay{name, "cells that are not empty along the ray",
+            count_cells(grid, camera_, half, [&](std::size_t c) { return majorants[c] > 0; })};
+        overlay.high = std::max(1.0f, std::ranges::max(overlay.values.plane(0)));
+        return overlay;
+    }
+    shader::CacheHeader header;
+    std::memcpy(&header, bytes.data(), sizeof(header));
+    grid.side = std::max(header.scale, 1u);
+    const auto has_slot = [&](std::size_t c) {
+        std::uint32_t word = CACHE_NONE;
+        std::memcpy(&word, bytes.data() + sizeof(header) + c * sizeof(word), sizeof(word));
+        return word != CACHE_NONE;
+    };
+    return Overlay{name, "the first cells that hold light, a colour each",
+        color_cells(grid, camera_, half, has_slot)};
+}
 
 std::vector<std::string> VolumeTechnique::rivals() const {
     return {

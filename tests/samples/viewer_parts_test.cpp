@@ -2,6 +2,7 @@
 // What the viewer is made of, without a window: cameras that are moved, sliders from declarations,
 // what is shown of pictures, sizes in haste, what kind of thing a file is.
 #include "framework/core/false_color.hpp"
+#include "samples/viewer/cell_grid.hpp"
 #include "samples/viewer/viewer.hpp"
 #include "samples/viewer/widgets.hpp"
 
@@ -179,6 +180,47 @@ TEST(TransferEditor, FilesHoldWhatWasDrawn) {
         EXPECT_EQ(read.points[i].color, drawn.points[i].color);
         EXPECT_EQ(read.points[i].emission, drawn.points[i].emission);
     }
+}
+
+/// A box of 1 x 1/2 x 1/2, 8 x 4 x 4 voxels.
+CellGrid box(std::uint32_t side) {
+    Volume volume;
+    volume.dims = {8, 4, 4};
+    return {place_of(volume), volume.dims, side};
+}
+
+TEST(CellGrid, RaysPassTheCellsInTheirWay) {
+    const Camera camera = look_at({-3, 0.01f, 0.01f}, {0, 0.01f, 0.01f}, 1, UpAxis::z); // along x
+    std::vector<std::size_t> passed;
+    walk(box(2), camera, {1, 1}, {0, 0}, [&](std::size_t cell) {
+        passed.push_back(cell);
+        return true;
+    });
+    const std::size_t row = 1 * 4 + 1 * 4 * 2; // cells are 4 x 2 x 2; the upper half of y and z
+    EXPECT_EQ(passed, (std::vector<std::size_t>{row, row + 1, row + 2, row + 3}));
+    const Image counts =
+        count_cells(box(2), camera, {1, 1}, [](std::size_t c) { return c % 2 == 0; });
+    EXPECT_EQ(counts.at(0, 0, 0), 2);
+}
+
+TEST(CellGrid, PixelsLieWhereTheCameraPutsThem) {
+    // From the front the box is a half as high as wide, and 1 wide at the distance 2.75 of its
+    // front.
+    const Camera camera = look_at({0, -3, 0}, {0, 0, 0}, 30, UpAxis::z);
+    const Image counts = count_cells(box(4), camera, {101, 101}, [](std::size_t) { return true; });
+    const double pixels = 101 / (2 * std::tan(glm::radians(15.0)) * 2.75);
+    int wide = 0, high = 0;
+    for (int i = 0; i < 101; ++i) {
+        wide += counts.at(i, 50, 0) > 0;
+        high += counts.at(50, i, 0) > 0;
+    }
+    EXPECT_NEAR(wide, pixels, 1.01);
+    EXPECT_NEAR(high, 0.5 * pixels, 1.01);
+    EXPECT_EQ(counts.at(50, 50, 0), 1); // 2 x 1 x 1 cells
+    const Image colors = color_cells(box(4), camera, {101, 101}, [](std::size_t) { return true; });
+    EXPECT_NE(colors.at(40, 50, 0), colors.at(60, 50, 0)); // left and right cell
+    EXPECT_EQ(colors.at(40, 45, 1), colors.at(44, 55, 1));
+    EXPECT_EQ(colors.at(0, 0, 0), 0);
 }
 
 TEST(Kinds, ComeFromNames) {
