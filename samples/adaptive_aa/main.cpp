@@ -12,6 +12,7 @@
 #include "framework/io/image_file.hpp"
 #include "passes/pipelines/aa_options.hpp"
 #include "passes/pipelines/adaptive_aa.hpp"
+#include "samples/chart/aa_choice.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -26,12 +27,26 @@ struct Options {
     SceneOptions scene;
     CameraMoves moves;
     AaOptions method;
+    float target_psnr = 0, target_ms = 0; ///< 0: lambda as it is
+    std::string chart;
     bool aov = false;
 };
 
 void declare(Params& params, Options& o) {
     add_scene_options(params, o.scene);
     add_aa_options(params, o.method);
+    params
+        .add("target-psnr", &o.target_psnr,
+            "choose --lambda for this error, by a chart of scenes; 0: no")
+        .range(0, 200)
+        .unit("dB")
+        .group("Method");
+    params.add("target-ms", &o.target_ms, "choose --lambda for this GPU time of a frame; 0: no")
+        .range(0, 1e9)
+        .unit("ms")
+        .group("Method");
+    params.add("chart", &o.chart, "aa_chart.json of a chart to choose by; none: the built-in one")
+        .group("Method");
     params.add("aov", &o.aov, "write k, winner, S, depth, normal, material as layers of an .exr")
         .group("Reports");
     add_view_flags(params, o.common);
@@ -50,6 +65,60 @@ AdaptiveAaParams picture_params(const Options& o, bool moving) {
     p.export_counts = true;
     for (const auto& [name, file] : parse_captures(o.common)) p.captures.push_back(name);
     return p;
+}
+
+void check_targets(const Options& o, const Params& params) {
+    const bool chooses = o.target_psnr > 0 || o.target_ms > 0;
+    if (!chooses && !o.chart.empty()) fail_input("--chart: needs --target-psnr or --target-ms");
+    if (!chooses) return;
+    if (o.target_psnr > 0 && o.target_ms > 0)
+        fail_input("--target-psnr and --target-ms both choose --lambda; give one of them");
+    for (const char* other : {"lambda", "budget"}) {
+        if (params.given(other))
+            fail_input("--target-psnr and --target-ms choose --lambda; leave --{} out", other);
+    }
+    const AdaptiveAaParams method = aa_params(o.method);
+    if (method.method != AaMethod::adaptive || method.metric != MetricKind::ockham)
+        fail_input("--target-psnr and --target-ms choose --lambda, which only --method adaptive "
+                   "with --metric ockham has");
+}
+
+/// Renders the view at the default price, and takes the price from the class of scenes that this
+/// is most like.
+std::optional<AaChoice> choose_lambda(const Options& o, gpu::Device& device, const LitScene& scene,
+    const Camera& camera, AdaptiveAaParams& params) {
+    if (!(o.target_psnr > 0) && !(o.target_ms > 0)) return std::nullopt;
+    const AaChart chart = o.chart.empty() ? builtin_aa_chart() : load_aa_chart(o.chart);
+    if (params.m != chart.m)
+        fail_input("--m: the chart is of {0} x {0} samples, not {1} x {1}", chart.m, params.m);
+    AdaptiveAa aa(device, scene, camera, params);
+    aa.execute(); // compiles kernels
+    aa.execute();
+    FrameTimes times;
+    times.add(aa.times());
+    const AaProbe probe{params.lambda, aa.sample_counts().percent, times.total()};
+    const AaChoice choice = o.target_psnr > 0 ? choose_by_psnr(chart, probe, o.target_psnr)
+                                              : choose_by_time(chart, probe, o.target_ms);
+    if (!choice.reached) {
+        log::warning("no lambda of the chart reaches --target-{} {:g}; the nearest is taken",
+            o.target_psnr > 0 ? "psnr" : "ms", o.target_psnr > 0 ? o.target_psnr : o.target_ms);
+    }
+    params.lambda = static_cast<float>(choice.lambda);
+    return choice;
+}
+
+nlohmann::ordered_json choice_json(const AaChoice& choice) {
+    return {{"class", choice.class_name}, {"lambda", choice.lambda},
+        {"predicted_psnr", choice.psnr}, {"predicted_gpu_ms", choice.total_gpu_ms},
+        {"reached", choice.reached}};
+}
+
+void print_choice(
+    const AaChoice& choice, const FrameTimes& times, const std::optional<ImageError>& error) {
+    fmt::print("lambda  {:9.3g}, as for '{}'\n", choice.lambda, choice.class_name);
+    fmt::print("predicted {:7.2f} dB, {:.2f} ms\n", choice.psnr, choice.total_gpu_ms);
+    fmt::print("obtained  {} dB, {:.2f} ms\n",
+        error ? fmt::format("{:7.2f}", error->psnr) : "unknown (no --reference)", times.total());
 }
 
 void add_layer(Image& picture, const Image& source, int channel, const std::string& name) {
@@ -155,6 +224,7 @@ int render(int argc, char** argv) {
     }
     if (o.aov && (o.common.output.empty() || !is_exr_path(o.common.output)))
         fail_input("--aov: layers need an .exr output; found '{}'", o.common.output);
+    check_targets(o, params);
     HeadlessRun run(o.common, argc, argv);
 
     Scene scene = load_scenes(o.scene, o.common);
@@ -166,7 +236,9 @@ int render(int argc, char** argv) {
         choose_cameras(o.moves, o.common, choose_camera(o.common, lit.scene(), lit.gpu().bounds()),
             lit.gpu().bounds().center(), UpAxis::y, params.given("frames") ? o.common.frames : 0);
     check_pictures(o.common, cameras.size());
-    AdaptiveAa aa(device, lit, cameras.front(), picture_params(o, cameras.size() > 1));
+    AdaptiveAaParams asked = picture_params(o, cameras.size() > 1);
+    const std::optional<AaChoice> choice = choose_lambda(o, device, lit, cameras.front(), asked);
+    AdaptiveAa aa(device, lit, cameras.front(), asked);
     run.announce(device, aa.executor());
     log::info("{} triangles, {} lights; scene {} MiB, graph {} MiB", lit.gpu().facts().triangles,
         lit.scene().lights.size(), lit.gpu().bytes() >> 20, aa.executor().plan().bytes_peak >> 20);
@@ -198,12 +270,14 @@ int render(int argc, char** argv) {
     run.save_captures(aa.executor(), aa.outputs().captures);
     const std::optional<ImageError> error = run.error_of(picture, number);
     print_summary(run.times(), counts, error);
+    if (choice) print_choice(*choice, run.times(), error);
     nlohmann::ordered_json more{{"shading_gpu_ms", run.times().total_of(is_shading_pass)},
         {"samples",
             {{"percent", counts.percent}, {"mean_k", counts.mean}, {"histogram", counts.histogram},
                 {"lane_efficiency", counts.lane_efficiency},
                 {"shaded_percent", counts.shaded_percent}}}};
     more["gbuffer"] = gbuffer_json(aa);
+    if (choice) more["choice"] = choice_json(*choice);
     if (moving) {
         sequence.print();
         more["sequence"] = sequence.to_json();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace ockham::chart {
 namespace {
@@ -71,6 +72,85 @@ std::string file_stem(const std::string& scene) {
     return stem;
 }
 
+/// The frame at the default lambda; nothing where it was not measured.
+std::optional<AaProbe> probe_of(const AaChart& chart) {
+    if (chart.classes.empty()) return std::nullopt;
+    for (const AaClass::Entry& entry : chart.classes.front().entries)
+        if (fmt::format("{:g}", entry.lambda) == shown_setting("ockham"))
+            return AaProbe{entry.lambda, entry.samples_percent, entry.total_gpu_ms};
+    return std::nullopt;
+}
+
+/// What a choice by the program's chart, without the class of the scene itself, asks for and gets.
+class Prediction {
+public:
+    Prediction(const std::vector<Point>& points, const std::vector<std::string>& scenes) {
+        for (const std::string& scene : scenes) add(points, scene);
+        by_psnr_.curves.push_back(equal(by_psnr_));
+        by_time_.curves.push_back(equal(by_time_));
+    }
+    std::vector<Plot> plots() const {
+        if (by_psnr_.curves.size() < 2) return {};
+        return {by_psnr_, by_time_};
+    }
+
+private:
+    void add(const std::vector<Point>& points, const std::string& scene) {
+        const AaChart own = aa_chart_of(points, {scene}, "");
+        const std::optional<AaProbe> probe = probe_of(own);
+        AaChart others = builtin_aa_chart();
+        std::erase_if(others.classes, [&](const AaClass& c) { return c.name == scene; });
+        if (!probe || others.classes.empty()) return;
+        Curve psnr{.legend = scene}, time{.legend = scene};
+        for (double asked = 34; asked <= 52; asked += 2) {
+            const AaChoice choice = choose_by_psnr(others, *probe, asked);
+            const AaChoice got = predict(own.classes.front(), *probe, choice.lambda);
+            if (choice.reached) psnr.points.push_back(point(asked, got.psnr, choice));
+        }
+        for (double share = 0.5; share <= 1.5; share += 0.1) {
+            const double asked = share * probe->total_gpu_ms;
+            const AaChoice choice = choose_by_time(others, *probe, asked);
+            const AaChoice got = predict(own.classes.front(), *probe, choice.lambda);
+            if (choice.reached) time.points.push_back(point(asked, got.total_gpu_ms, choice));
+        }
+        by_psnr_.curves.push_back(std::move(psnr));
+        by_time_.curves.push_back(std::move(time));
+    }
+
+    static PlotPoint point(double asked, double got, const AaChoice& choice) {
+        return {.x = {asked, asked, asked},
+            .y = {got, got, got},
+            .setting = fmt::format("{:.3g} by {}", choice.lambda, choice.class_name),
+            .command = {},
+            .x_values = {asked},
+            .y_values = {got}};
+    }
+
+    static Curve equal(const Plot& plot) {
+        Curve curve{.legend = "as asked", .kind = Curve::Kind::limit};
+        for (const Curve& c : plot.curves)
+            for (const PlotPoint& p : c.points)
+                curve.points.push_back(point(p.x.median, p.x.median, {}));
+        std::sort(curve.points.begin(), curve.points.end(),
+            [](const PlotPoint& a, const PlotPoint& b) { return a.x.median < b.x.median; });
+        for (PlotPoint& p : curve.points) p.setting.clear();
+        return curve;
+    }
+
+    Plot by_psnr_{.name = "aa_choice_psnr",
+        .question = "Does --target-psnr give what was asked for?",
+        .x = {"asked_psnr", "PSNR asked for (dB)"},
+        .y = {"psnr", "PSNR obtained (dB)"},
+        .caption = "λ is chosen by the curve of another scene, the one whose share of samples is "
+                   "nearest in one frame at the default. The scene itself is left out."};
+    Plot by_time_{.name = "aa_choice_ms",
+        .question = "Does --target-ms give what was asked for?",
+        .x = {"asked_ms", "GPU time asked for (ms a frame)", true},
+        .y = {"ms", "GPU time obtained (ms a frame)", true},
+        .caption = "Likewise. Where less was asked for than any setting of that scene takes, there "
+                   "is no point."};
+};
+
 class SceneReport {
 public:
     SceneReport(const std::vector<Point>& points, std::string scene)
@@ -96,6 +176,25 @@ public:
                 .y = (*point)[plot.y.value].median});
         }
         return plot;
+    }
+
+    /// Where the targets would set lambda, on a chart of PSNR against time.
+    void mark_targets(Plot& plot, const ChartOptions& options) const {
+        const AaChart own = aa_chart_of(points_, {scene_}, "");
+        const std::optional<AaProbe> probe = probe_of(own);
+        if (!probe) return;
+        const auto mark = [&](const AaChoice& choice, const std::string& label) {
+            if (choice.reached)
+                plot.marks.push_back({.label = label, .x = choice.total_gpu_ms, .y = choice.psnr});
+        };
+        if (options.target_psnr > 0) {
+            mark(choose_by_psnr(own, *probe, options.target_psnr),
+                fmt::format("{:g} dB", options.target_psnr));
+        }
+        if (options.target_ms > 0) {
+            mark(choose_by_time(own, *probe, options.target_ms),
+                fmt::format("{:g} ms", options.target_ms));
+        }
     }
 
     /// What could be done by who knows the reference. In time: at `fixed_ms` and a share of
@@ -255,6 +354,22 @@ private:
 
 } // namespace
 
+AaChart aa_chart_of(const std::vector<Point>& points, const std::vector<std::string>& scenes,
+    const std::string& device) {
+    AaChart chart{.m = 4, .device = device, .classes = {}};
+    for (const std::string& scene : scenes) {
+        AaClass measured{.name = scene, .entries = {}};
+        for (const Point& point : points) {
+            if (point.job->scene != scene || point.job->series != "ockham") continue;
+            if (!point.has("psnr") || !point.has("total_gpu_ms")) continue;
+            measured.entries.push_back({point.knob, point["samples_percent"].median,
+                point["psnr"].median, point["total_gpu_ms"].median});
+        }
+        if (measured.entries.size() > 1) chart.classes.push_back(std::move(measured));
+    }
+    return chart;
+}
+
 Section aa_report(const Context& context, const Store& store, const std::vector<Point>& measured,
     const std::vector<std::string>& scenes) {
     const std::vector<Point> points = with_captured(measured);
@@ -265,7 +380,9 @@ Section aa_report(const Context& context, const Store& store, const std::vector<
             context.options.common.width, context.options.common.height)};
     for (const std::string& scene : scenes) {
         const SceneReport report(points, scene);
-        for (Plot& plot : std::vector<Plot>{report.against_samples(), report.against_time(false),
+        Plot time = report.against_time(false);
+        report.mark_targets(time, context.options);
+        for (Plot& plot : std::vector<Plot>{report.against_samples(), time,
                  report.against_time(true), report.seen(), report.true_error()}) {
             section.plots.push_back(std::move(plot));
         }
@@ -284,6 +401,7 @@ Section aa_report(const Context& context, const Store& store, const std::vector<
             "With the G-buffer, which no method saves. The paper reports 0.15 to 0.36 on its "
             "GPU."));
     }
+    for (Plot& plot : Prediction(points, scenes).plots()) section.plots.push_back(std::move(plot));
     for (const std::string& scene : scenes) {
         section.tables.push_back(SceneReport(points, scene).table());
         section.wipes.push_back(SceneReport(points, scene).wipe(store));

@@ -3,6 +3,7 @@
 
 #include "framework/app/scene_source.hpp"
 #include "framework/core/error.hpp"
+#include "framework/core/file.hpp"
 #include "framework/image_error/flip.hpp"
 #include "framework/image_error/image_error.hpp"
 #include "framework/image_error/mse.hpp"
@@ -245,6 +246,8 @@ public:
     }
     std::unique_ptr<Subject> open(const Job& job) override;
     Section report(const Store& store, const std::vector<Point>& points) override {
+        const AaChart chart = aa_chart_of(points, labels_, context_.device_text());
+        write_text(context_.options.out / "aa_chart.json", to_json(chart));
         return aa_report(context_, store, points, labels_);
     }
 

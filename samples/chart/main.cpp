@@ -106,11 +106,18 @@ int run(int argc, char** argv) {
     add("volumes", &o.volumes, "files or builtin: names of suite volume, by commas");
     add("out", &out, "folder for measurements, CSV, SVG and index.html; run again, it continues")
         .transient();
+    add("target-psnr", &o.target_psnr,
+        "suite aa: mark the setting that reaches so many decibels; 0: none")
+        .range(0, 200)
+        .unit("dB");
+    add("target-ms", &o.target_ms, "suite aa: mark the best that takes so long; 0: none")
+        .range(0, 1e9)
+        .unit("ms");
     add("quick", &o.quick, "small pictures and few settings");
     add("repeats", &o.repeats, "executions of each setting").range(1, 1000);
+    o.common.width = 512, o.common.height = 384;
     add("width", &o.common.width, "of pictures; with --quick 192").range(1, 16384).unit("pixels");
     add("height", &o.common.height, "of pictures; with --quick 144").range(1, 16384).unit("pixels");
-    o.common.width = 512, o.common.height = 384;
     add_run_flags(params, o.common);
     if (const auto done =
             parse_command_line(argc, argv, "Charts speed against accuracy.", params, o.common)) {

@@ -22,6 +22,7 @@ struct ChartOptions {
     std::vector<std::string> volumes; ///< likewise
     std::string rig;                  ///< of scenes that are files; empty: their own
     std::filesystem::path out;
+    float target_psnr = 0, target_ms = 0; ///< > 0: what they would choose is marked
     int repeats = 5;
     bool quick = false; ///< small pictures, few settings: all suites together in 20 minutes
 };

@@ -38,6 +38,15 @@ TEST_F(ChartProgramTest, MeasuresOnceThenOnlyDraws) {
         std::string::npos);
 }
 
+TEST_F(ChartProgramTest, KilledAtAnyMomentItContinues) {
+    const std::string arguments = "--suite graph --quick --repeats 2 --out d";
+    for (const char* seconds : {"0.05", "0.1", "0.15", "0.2"})
+        (void)run(arguments, std::string("timeout -s KILL ") + seconds);
+    const Result last = run(arguments);
+    EXPECT_EQ(last.exit_code, 0) << last.text;
+    EXPECT_EQ(lines("d/measured.jsonl"), 26u) << "each once, whatever was killed when";
+}
+
 TEST_F(ChartProgramTest, WithoutGnuplotNumbersAreWrittenAndOneMessageSaysSo) {
     const Result result = run("--suite graph --quick --repeats 1 --out d", "PATH=/nowhere");
     EXPECT_EQ(result.exit_code, 0) << result.text;
@@ -71,6 +80,33 @@ TEST_F(ChartProgramTest, AntiAliasingHasEveryCurveOnATinyPicture) {
     const std::string captured = read_text(folder / "d/aa_plane_captured.csv");
     for (const char* scheme : {"buckets", "loop", "repack", "sort"})
         EXPECT_NE(captured.find(std::string("\n") + scheme + ","), std::string::npos) << scheme;
+}
+
+TEST_F(ChartProgramTest, AdaptiveAaChoosesByAChartAndSaysWhatItPredictedAndGot) {
+    const std::string view = "builtin:fence --width 48 --height 36 ";
+    const auto aa = [&](const std::string& flags) { return run(view + flags, "", "adaptive_aa"); };
+    ASSERT_EQ(aa("--method ssaa -o all.exr").exit_code, 0);
+    const auto obtained = [&](const char* asked) {
+        const Result result =
+            aa(std::string("--target-psnr ") + asked + " --reference all.exr --stats s.json");
+        EXPECT_EQ(result.exit_code, 0) << result.text;
+        EXPECT_NE(result.text.find("predicted"), std::string::npos) << result.text;
+        const std::size_t at = result.text.find("obtained");
+        EXPECT_NE(at, std::string::npos) << result.text;
+        EXPECT_NE(read_text(folder / "s.json").find("\"predicted_psnr\""), std::string::npos);
+        return std::stod(result.text.substr(at + 8));
+    };
+    const double low = obtained("36"), high = obtained("46");
+    EXPECT_GT(high, low + 3) << "ten decibels more were asked for";
+    const Result unreachable = aa("--target-ms 0.001");
+    EXPECT_EQ(unreachable.exit_code, 0);
+    EXPECT_NE(unreachable.text.find("no lambda of the chart reaches"), std::string::npos);
+    for (const char* flags : {"--target-psnr 40 --target-ms 9", "--target-psnr 40 --lambda 1e-4",
+             "--target-ms 9 --method uniform", "--target-psnr 40 --m 2", "--chart none.json",
+             "--target-psnr 40 --chart none.json"}) {
+        const Result result = aa(flags);
+        EXPECT_EQ(result.exit_code, 2) << flags << "\n" << result.text;
+    }
 }
 
 } // namespace
