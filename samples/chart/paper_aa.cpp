@@ -16,7 +16,9 @@ namespace {
 constexpr std::uint32_t kStall = 2000;     ///< multiply-adds per sample, in the stalled columns
 constexpr std::uint32_t kFigureWindow = 3; ///< figures 5 and 8 are of 3 x 3
 
-std::string window_series(std::uint32_t m) { return fmt::format("table 1, {0} x {0}", m); }
+std::string window_series(std::uint32_t m, std::uint32_t stall = 0) {
+    return fmt::format("table 1, {0} x {0}{1}", m, stall > 0 ? ", stalled" : "");
+}
 
 Picture count_picture(const Image& counts, std::uint32_t m) {
     return {counts.width(), counts.height(),
@@ -47,11 +49,11 @@ std::string cell(const Point* point, const char* value, const char* format = "{:
 
 } // namespace
 
-/// The rows of one window width, executed in turns, cheap and stalled: so that a noisy machine
-/// hurts all alike. m = 1: one sample, FXAA. Else: all samples, as the paper, by default.
+/// The rows of one window width, executed in turns, so that a noisy machine hurts all alike. m = 1:
+/// one sample, FXAA. Else: all samples, as the paper, by default.
 class PaperAa::Window : public Subject {
 public:
-    Window(PaperAa& owner, std::uint32_t m) : m_(m) {
+    Window(PaperAa& owner, std::uint32_t m, std::uint32_t stall) : m_(m), stall_(stall) {
         std::vector<AdaptiveAaParams> rows;
         if (m == 1)
             rows = {owner.params(1, "none"), owner.params(1, "fxaa")};
@@ -59,12 +61,10 @@ public:
             rows = {owner.params(m, "ssaa"), owner.as_paper(m), owner.as_default(m)};
         const LitScene& lit = owner.lit();
         for (AdaptiveAaParams& params : rows) {
-            for (const std::uint32_t stall : {0u, kStall}) {
-                params.stall = stall;
-                pictures_.push_back(std::make_unique<AdaptiveAa>(
-                    owner.context_.device(), lit, owner.camera_, params));
-                pictures_.back()->execute();
-            }
+            params.stall = stall;
+            pictures_.push_back(
+                std::make_unique<AdaptiveAa>(owner.context_.device(), lit, owner.camera_, params));
+            pictures_.back()->execute();
         }
         reference_ = pictures_.front()->picture();
         AdaptiveAa one(owner.context_.device(), lit, owner.camera_, owner.params(1, "none"));
@@ -74,27 +74,25 @@ public:
 
     std::vector<Row> measure() override {
         std::vector<Row> rows;
-        for (std::size_t i = 0; i < pictures_.size() && !interrupted(); i += 2) {
-            Row row{.knob = static_cast<double>(i / 2), .values = {}};
-            for (const bool stalled : {false, true}) {
-                AdaptiveAa& aa = *pictures_[i + (stalled ? 1 : 0)];
-                aa.execute();
-                const std::string prefix = stalled ? "stalled_" : "";
-                row.values[prefix + "total_gpu_ms"] = milliseconds(aa.times(), nullptr);
-                row.values[prefix + "shading_gpu_ms"] = milliseconds(aa.times(), is_shading_pass);
-            }
-            row.values.merge(errors_of(*pictures_[i], m_, reference_));
+        for (const auto& aa : pictures_) {
+            if (interrupted()) break;
+            aa->execute();
+            Row row{.knob = static_cast<double>(rows.size()),
+                .values = {{"total_gpu_ms", milliseconds(aa->times(), nullptr)},
+                    {"shading_gpu_ms", milliseconds(aa->times(), is_shading_pass)}}};
+            row.values.merge(errors_of(*aa, m_, reference_));
             rows.push_back(std::move(row));
         }
         return rows;
     }
 
     std::map<std::string, Picture> pictures() override {
+        if (stall_ > 0) return {}; // the same ones
         std::map<std::string, Picture> shown{{"reference", to_picture(reference_)},
             {"one", to_picture(one_sample_)},
             {"one_error", error_picture(one_sample_, reference_)}};
         if (m_ == 1) return shown;
-        for (const auto& [at, title] : {std::pair(2, "paper"), std::pair(4, "ockham")}) {
+        for (const auto& [at, title] : {std::pair(1, "paper"), std::pair(2, "ockham")}) {
             AdaptiveAa& aa = *pictures_[static_cast<std::size_t>(at)];
             const Image picture = aa.picture();
             const std::string prefix = title;
@@ -106,8 +104,8 @@ public:
     }
 
 private:
-    std::uint32_t m_;
-    std::vector<std::unique_ptr<AdaptiveAa>> pictures_; ///< each cheap, then stalled
+    std::uint32_t m_, stall_;
+    std::vector<std::unique_ptr<AdaptiveAa>> pictures_;
     Image reference_, one_sample_;
 };
 
@@ -120,10 +118,12 @@ PaperAa::PaperAa(Context& context, JobList& list)
         jobs_.push_back(job);
         list.add(std::move(job), std::move(open));
     };
-    for (const std::uint32_t m : {1u, 2u, 3u, 4u}) {
-        add(job(window_series(m), fmt::format("--m {} --preset paper", m), 0),
-            [this, m] { return std::make_unique<Window>(*this, m); });
-    }
+    for (const std::uint32_t m : {1u, 2u, 3u, 4u})
+        for (const std::uint32_t stall : {0u, kStall}) {
+            add(job(window_series(m, stall),
+                    fmt::format("--m {} --preset paper --stall {}", m, stall), 0),
+                [this, m, stall] { return std::make_unique<Window>(*this, m, stall); });
+        }
     add(job("figure 5", "--m 3 --preset paper --anisotropy 1", 1),
         [this] { return std::make_unique<Once>([this](auto& shown) { return figure_5(shown); }); });
     add(job("figure 8", "--m 3 --preset paper --c-shading 0", 1),
@@ -137,8 +137,8 @@ Job PaperAa::job(const std::string& series, const std::string& flags, int repeat
         .scene = scene_,
         .series = series,
         .setting = {},
-        .inputs = fmt::format("{} {} {} x {} stall {} {}", fingerprint_of(scene_), flags, width_,
-            height_, kStall, context_.device_text()),
+        .inputs = fmt::format("{} {} {} x {} {}", fingerprint_of(scene_), flags, width_, height_,
+            context_.device_text()),
         .command =
             fmt::format("adaptive_aa {} {} --width {} --height {}", scene_, flags, width_, height_),
         .repeats = repeats};
@@ -295,8 +295,10 @@ Table PaperAa::table_1(const std::vector<Point>& points) const {
         {"one sample", "FXAA", nullptr}, {"all samples", "as the paper", "default"}};
     for (const std::uint32_t m : {1u, 2u, 3u, 4u}) {
         const Point* reference = find(points, window_series(m), 0);
+        const Point* stalled_reference = find(points, window_series(m, kStall), 0);
         for (int i = 0; i < (m == 1 ? 2 : 3); ++i) {
             const Point* here = find(points, window_series(m), i);
+            const Point* stalled = find(points, window_series(m, kStall), i);
             paper::AaRow known{m, "", paper::kNotGiven, paper::kNotGiven, paper::kNotGiven,
                 paper::kNotGiven, paper::kNotGiven};
             double full = paper::kNotGiven, full_stalled = paper::kNotGiven;
@@ -309,7 +311,7 @@ Table PaperAa::table_1(const std::vector<Point>& points) const {
             const bool adaptive = m > 1 && i > 0;
             std::vector<std::string> cells{fmt::format("{0} × {0}", m), kRows[m > 1][i],
                 cell(known.ms), cell(here, "total_gpu_ms", "{:.1f}"), cell(known.stalled_ms),
-                cell(here, "stalled_total_gpu_ms", "{:.1f}")};
+                cell(stalled, "total_gpu_ms", "{:.1f}")};
             if (!adaptive) {
                 cells.resize(12);
                 cells.push_back(m > 1 ? "100" : "");
@@ -326,8 +328,8 @@ Table PaperAa::table_1(const std::vector<Point>& points) const {
                          cell(captured(value(here, "total_gpu_ms"),
                              value(reference, "total_gpu_ms"), percent)),
                          cell(captured(known.stalled_ms, full_stalled, known.samples_percent)),
-                         cell(captured(value(here, "stalled_total_gpu_ms"),
-                             value(reference, "stalled_total_gpu_ms"), percent))})
+                         cell(captured(value(stalled, "total_gpu_ms"),
+                             value(stalled_reference, "total_gpu_ms"), percent))})
                     cells.push_back(text);
             }
             table.rows.push_back(std::move(cells));
