@@ -375,7 +375,7 @@ void Viewer::draw_loupe_window() {
         if (canvas_.size == size && glm::all(glm::lessThan(*loupe_, size)))
             attempt([&] { samples_ = subject_->technique->samples(*loupe_); });
     }
-    ImGui::SetNextWindowPos({12, static_cast<float>(area_.y) - 12}, ImGuiCond_Always, {0, 1});
+    ImGui::SetNextWindowPos({12, static_cast<float>(area_.y) - 36}, ImGuiCond_Always, {0, 1});
     ImGui::SetNextWindowSize({264, 0});
     ImGui::SetNextWindowBgAlpha(0.93f);
     ImGui::Begin("loupe", nullptr, kFixed);
@@ -383,8 +383,8 @@ void Viewer::draw_loupe_window() {
     ImGui::Text("pixel %d, %d", loupe_->x, loupe_->y);
     const auto show_value = [&](const char* label, const Image& image) {
         if (loupe_->x >= image.width() || loupe_->y >= image.height()) return;
-        show_fact(label, fmt::format("{:.4g} {:.4g} {:.4g}", image.at(loupe_->x, loupe_->y, 0),
-                             image.at(loupe_->x, loupe_->y, 1), image.at(loupe_->x, loupe_->y, 2)));
+        ImGui::Text("%s  %.4g  %.4g  %.4g", label, image.at(loupe_->x, loupe_->y, 0),
+            image.at(loupe_->x, loupe_->y, 1), image.at(loupe_->x, loupe_->y, 2));
     };
     show_value("A", picture_);
     if (reference_) show_value("B", *reference_);

@@ -56,6 +56,7 @@ void Viewer::open(std::unique_ptr<Subject> subject) {
     reference_.reset();
     reference_name_.clear();
     dirty_ = true;
+    touched_ = clock_.seconds(); // something small at once, then all of it
 }
 
 /// Errors of what a person does show in the window, and the viewer goes on.
@@ -132,10 +133,15 @@ bool Viewer::render_rival() {
 /// What is logged goes on to the terminal, and shows in the window where somebody should act.
 void Viewer::listen() {
     log::set_sink([this](log::Level level, std::string_view text) {
-        if (!said_.emplace(text).second) return; // sliders would repeat it all the way
-        fmt::print(stderr, "{}\n", text);
+        const bool reloaded = text.starts_with("reloaded shaders:");
+        if (reloaded) complaints_.clear(), dirty_ = true;
+        // Sliders would repeat what is inferred all the way.
+        if (level <= log::Level::info && !reloaded && !said_.emplace(text).second) return;
+        const char* prefix = level == log::Level::warning ? "warning: "
+                             : level == log::Level::error ? "error: "
+                                                          : "";
+        fmt::print(stderr, "{}{}\n", prefix, text);
         if (level >= log::Level::warning) complaints_.emplace_back(text);
-        if (text.find("reloaded") != std::string_view::npos) dirty_ = true;
     });
 }
 

@@ -155,7 +155,7 @@ SliderRange slider_range(const Param& param) {
     } catch (const std::exception&) { // no number, or an infinite one
     }
     if (!std::isfinite(normal)) normal = 0;
-    const double least = std::holds_alternative<float*>(param.target) ? 1e-3 : 100;
+    const double least = !std::holds_alternative<float*>(param.target) ? 100 : normal == 0 ? 10 : 0;
     const double reach = std::max({100 * std::abs(normal), std::abs(value), least});
     return {std::max(param.low, param.low < 0 && param.low >= -1 ? param.low : -reach),
         std::min(param.high, reach), param.low >= 0};

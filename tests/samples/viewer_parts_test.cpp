@@ -87,6 +87,8 @@ TEST(SliderRange, ReachesWhatIsDeclaredOrWhatCanBeDraggedIn) {
     EXPECT_EQ(slider_range(lambda).high, 7);
     price = std::numeric_limits<float>::infinity();
     EXPECT_TRUE(std::isfinite(slider_range(lambda).high));
+    float none = 0;
+    EXPECT_GE(slider_range(params.add("none", &none, "").range(0, 1e9)).high, 1);
     EXPECT_GE(slider_range(params.add("gain", &gain, "").range(0, 1e6)).high, 10);
     EXPECT_LE(slider_range(params.add("stall", &stall, "").range(0, 500000)).high, 500000);
 }
