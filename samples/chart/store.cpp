@@ -8,6 +8,7 @@
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -85,11 +86,21 @@ Store::Store(std::filesystem::path folder) : folder_(std::move(folder)) {
     std::error_code error;
     std::filesystem::create_directories(folder_, error);
     const std::filesystem::path path = folder_ / "measured.jsonl";
-    if (!error && std::filesystem::exists(path, error)) load(path);
     file_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
     if (file_ < 0) {
         fail_input("cannot write '{}': {}; name a folder for --out that can be written",
             path.string(), error ? error.message() : std::strerror(errno));
+    }
+    try {
+        if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+            fail_input("'{}' is in use by another chart; wait for it, or name another folder for "
+                       "--out",
+                path.string());
+        }
+        load(path);
+    } catch (...) {
+        ::close(file_); // no destructor runs
+        throw;
     }
 }
 

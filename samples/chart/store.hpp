@@ -64,7 +64,7 @@ class Store {
 public:
     /// Opens `folder`/measured.jsonl, or begins it; makes the folder. A last line that a killed run
     /// left unfinished is cut off. Throws Error(input) naming file and line where another is no
-    /// measurement, and where the file cannot be written.
+    /// measurement, where the file cannot be written, and where another process has it open.
     explicit Store(std::filesystem::path folder);
     ~Store();
     Store(const Store&) = delete;

@@ -80,6 +80,19 @@ TEST_F(ChartTest, KilledAtAnyByteOfALineTheStoreGoesOnBeforeIt) {
     }
 }
 
+TEST_F(ChartTest, TwoRunsDoNotShareAFolder) {
+    {
+        const Store first(folder);
+        try {
+            const Store second(folder);
+            ADD_FAILURE();
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("in use"), std::string::npos) << error.what();
+        }
+    }
+    const Store third(folder); // the first is gone
+}
+
 TEST_F(ChartTest, DamageElsewhereIsRefusedByLine) {
     {
         Store store(folder);
