@@ -42,8 +42,8 @@ void add_aa_options(Params& params, AaOptions& o) {
             "adaptive"});
     add("k", &o.k, "samples per pixel of --method uniform").range(1, 64);
     add("preset", &o.preset,
-        "metric, order, resolve, demodulate, filter-highlights at once: ockham is ockham, optimal, "
-        "stratified, on, on; paper is paper, paper, prefix, off, off")
+        "metric, order, resolve, filter-highlights at once: ockham is ockham, optimal, stratified, "
+        "on; paper is paper, paper, prefix, off")
         .choices({"ockham", "paper"});
     add("metric", &o.metric, "what decides the samples per pixel")
         .choices({kByPreset, "paper", "ockham"});
@@ -86,7 +86,7 @@ void add_aa_options(Params& params, AaOptions& o) {
         .choices({kByPreset, "prefix", "stratified"});
     add("demodulate", &o.demodulate,
         "resolve stratified: light is averaged apart from albedo, whose mean is exact")
-        .choices({kByPreset, "on", "off"});
+        .on_off();
     add("filter-highlights", &o.filter_highlights,
         "resolve stratified: highlights as wide as the normals that a sample stands for")
         .choices({kByPreset, "on", "off"});
@@ -131,7 +131,7 @@ AdaptiveAaParams aa_params(const AaOptions& o) {
                                       : SampleOrder::paper;
     p.resolve = choose(o, o.resolve, "stratified", "prefix") == "stratified" ? Resolve::stratified
                                                                              : Resolve::prefix;
-    p.demodulate = choose(o, o.demodulate, "on", "off") == "on";
+    p.demodulate = o.demodulate;
     p.filter_highlights = choose(o, o.filter_highlights, "on", "off") == "on";
     p.lambda = o.lambda;
     p.history = o.history;

@@ -26,7 +26,7 @@ struct AaOptions {
     std::string dispatch = "buckets";
     std::string k_levels = "all", k_filter;
     std::string resolve = kByPreset;
-    std::string demodulate = kByPreset;
+    bool demodulate = false;
     std::string filter_highlights = kByPreset;
     std::string gbuffer = "auto";
     int tile = 0;

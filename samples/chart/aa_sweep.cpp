@@ -56,8 +56,7 @@ std::vector<AaSetting> aa_settings(const AdaptiveAaParams& base, AaKnobs knobs) 
         AaSetting setting = fixed("ockham", AaMethod::adaptive, base);
         setting.knob = lambda;
         setting.params.metric = MetricKind::ockham;
-        const bool spread = base.resolve == Resolve::stratified; // else they do not apply
-        setting.params.demodulate = setting.params.filter_highlights = spread;
+        setting.params.filter_highlights = base.resolve == Resolve::stratified;
         setting.params.lambda = static_cast<float>(lambda);
         settings.push_back(setting);
     }

@@ -33,7 +33,7 @@ AdaptiveAaParams base_params(const Options& o) {
     params.stall = static_cast<std::uint32_t>(o.stall);
     params.order_kind = o.order == "optimal" ? SampleOrder::optimal : SampleOrder::paper;
     params.resolve = o.resolve == "stratified" ? Resolve::stratified : Resolve::prefix;
-    params.demodulate = params.filter_highlights = params.resolve == Resolve::stratified;
+    params.filter_highlights = params.resolve == Resolve::stratified;
     return params;
 }
 

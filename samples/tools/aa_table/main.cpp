@@ -113,7 +113,7 @@ private:
         if (row.metric == MetricKind::ockham) {
             p.order_kind = SampleOrder::optimal;
             p.resolve = Resolve::stratified;
-            p.demodulate = p.filter_highlights = true;
+            p.filter_highlights = true;
             p.lambda = options_.lambda;
         }
         p.metrics = default_metrics(row.m);
