@@ -87,9 +87,9 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
 namespace {
 
 void omit_adaptive_passes(Graph& graph, const std::string& reason) {
-    for (const char* pass : {"clusters", "surface_means", "metrics", "variance_history", "allocate",
-             "budget", "coarsen", "bucket_count", "bucket_scan", "bucket_arguments",
-             "bucket_scatter", "tile_work", "tile_list"}) {
+    for (const char* pass : {"clusters", "surface_means", "metrics", "variance_pool",
+             "variance_history", "allocate", "budget", "coarsen", "bucket_count", "bucket_scan",
+             "bucket_arguments", "bucket_scatter", "tile_work", "tile_list"}) {
         graph.omit_pass(pass, reason);
     }
 }
@@ -137,7 +137,7 @@ ImageHandle add_surface_counts(Graph& graph, ImageHandle labels, const AdaptiveA
 Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clusters,
     ImageHandle first_sample, const AdaptiveAaParams& params) {
     if (params.method != AaMethod::adaptive) {
-        for (const char* pass : {"metrics", "allocate", "budget"})
+        for (const char* pass : {"metrics", "variance_pool", "allocate", "budget"})
             graph.omit_pass(pass, "the method counts surfaces, if anything");
         return {add_surface_counts(graph, clusters.labels, params), {}};
     }
@@ -149,6 +149,7 @@ Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clu
         const Metrics counts =
             add_metrics(graph, {in.scene.frame, in.gbuffer, first_sample}, metrics);
         graph.omit_pass("allocate", "--metric paper counts samples itself");
+        graph.omit_pass("variance_pool", "--metric paper expects no variance");
         graph.omit_pass("variance_history", "--metric paper expects no variance");
         graph.omit_pass("budget", "--metric paper counts samples itself");
         return {counts.sample_count, counts.winner};
@@ -309,9 +310,10 @@ bool is_shading_pass(std::string_view pass) {
     if (is_baseline_pass(pass)) return true;
     // "shade" and its further rounds "shade.1", ...; the passes of the lists.
     return pass == "clusters" || pass == "surface_means" || pass == "first_sample" ||
-           pass == "metrics" || pass == "variance_history" || pass == "allocate" ||
-           pass.starts_with("budget") || pass == "coarsen" || pass.starts_with("bucket_") ||
-           pass.starts_with("tile_") || pass.starts_with("shade") || pass == "resolve";
+           pass == "metrics" || pass == "variance_pool" || pass == "variance_history" ||
+           pass == "allocate" || pass.starts_with("budget") || pass == "coarsen" ||
+           pass.starts_with("bucket_") || pass.starts_with("tile_") || pass.starts_with("shade") ||
+           pass == "resolve";
 }
 
 AdaptiveAaOutputs add_adaptive_aa(

@@ -14,8 +14,11 @@
 namespace ockham {
 namespace {
 
-/// Pixels around each pixel that decide about it.
-constexpr std::uint32_t kApron = 1;
+/// Pixels around each pixel that decide about it: their samples, and what variance the neighbours
+/// expect of theirs.
+std::uint32_t reach_of(const AdaptiveAaParams& params) {
+    return params.method == AaMethod::adaptive && params.metric == MetricKind::ockham ? 2 : 1;
+}
 
 /// Pixels that stay in one tile: the blocks of --k-filter, and the quads of 2 x 2 samples over
 /// which alpha tests take derivatives.
@@ -25,7 +28,7 @@ std::uint32_t block_of(const AdaptiveAaParams& params) {
 
 std::uint32_t apron_of(const AdaptiveAaParams& params) {
     const std::uint32_t block = block_of(params);
-    return (kApron + block - 1) / block * block;
+    return (reach_of(params) + block - 1) / block * block;
 }
 
 bool keeps_history(const AdaptiveAaParams& params) {

@@ -18,7 +18,7 @@ ImageHandle add_ockham_metrics(
         .sample("normal_spread", in.clusters.normal_spread)
         .sample("first_surface", in.clusters.first_surface)
         .sample("first_sample", in.first_sample);
-    const ImageHandle out = pass.write("variance", graph.create_image("variance", desc));
+    const ImageHandle lone = pass.write("lone_variance", graph.create_image("lone_variance", desc));
     pass.record([desc, params, gbuffer = in.gbuffer](Commands& commands) {
         const shader::OckhamMetricsPush push{.stratified = params.stratified ? 1u : 0u};
         const std::string shader = gbuffer_variant(
@@ -26,6 +26,17 @@ ImageHandle add_ockham_metrics(
         commands.dispatch_over({.shader = shader,
                                    .specialization = gbuffer_specialization(gbuffer),
                                    .push = as_push(push)},
+            {desc.width, desc.height, 1});
+    });
+
+    PassBuilder pool = graph.add_compute_pass("variance_pool");
+    pool.because("where the neighbours vary, so does the pixel");
+    pool.sample("lone_variance", lone);
+    const ImageHandle out = pool.write("variance", graph.create_image("variance", desc));
+    pool.record([desc](Commands& commands) {
+        const shader::VariancePoolPush push{.size = {desc.width, desc.height}};
+        commands.dispatch_over(
+            {.shader = "surface/variance_pool.comp", .specialization = {}, .push = as_push(push)},
             {desc.width, desc.height, 1});
     });
     return out;

@@ -19,6 +19,10 @@ struct OckhamMetricsPush {
     uint stratified; ///< 1: each surface gets samples and a weight of its own
 };
 
+struct VariancePoolPush {
+    uvec2 size; ///< pixels
+};
+
 // What asked for the most samples: a metric of the paper's, or, of the default metric, surfaces
 // without a sample or variation within them.
 #define WINNER_NONE 0u

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // reads clusters of the window and S around the pixel; writes the variance that the pixel's n
-// colours are expected to have (variance.glsl), from which allocate.comp makes k:
+// colours are expected to have (variance.glsl), before variance_pool.comp asks the neighbours:
 //   x  w^2, within surfaces: what samples beyond the first of each surface average out
 //   y  b^2 / (C - 1), between its C surfaces: what one sample of each removes, per sample
 // Both of display-encoded luma. A prefix of the samples averages out either alike: x = w^2 + b^2,
@@ -30,7 +30,7 @@ layout(binding = 4) uniform usampler2D clusters;
 layout(binding = 5) uniform sampler2D normal_spread;
 layout(binding = 6) uniform usampler2D first_surface;
 layout(binding = 7) uniform sampler2D first_sample;
-layout(binding = 9, rg32f) uniform writeonly image2D variance;
+layout(binding = 9, rg32f) uniform writeonly image2D lone_variance;
 layout(push_constant, scalar) uniform Push { OckhamMetricsPush push; };
 
 // Fitted once to the variance of all samples on five scenes (docs/passes/metrics_ockham.md).
@@ -134,5 +134,5 @@ void main() {
     vec3 cancelled = vec3(greaterThan(slopes.xyz, vec3(kCancelled)));
     within = dot(cancelled, share.xyz) > 0.0 ? kMostVariance : within;
     vec2 expected = push.stratified != 0u ? pack_variance(within, kBetween * between, count) : vec2(within + between, 0.0);
-    imageStore(variance, pixel, expected.xyxy);
+    imageStore(lone_variance, pixel, expected.xyxy);
 }

@@ -331,6 +331,13 @@ TEST_F(AdaptiveAaTest, StratifiedIsPrefixWhereOneSurfaceIsSeenAndFullWhereAllAre
     EXPECT_TRUE(equal_bits(render(p), full)) << "k = n everywhere";
     p.demodulate = p.filter_highlights = true;
     EXPECT_TRUE(equal_bits(render(p), full)) << "a sample that stands for itself needs no means";
+    p.m = 8;
+    for (const Size size : kSizes) {
+        p.width = size.width;
+        p.height = size.height;
+        EXPECT_TRUE(equal_bits(render(p), render(size.width, size.height, 8, AaMethod::ssaa)))
+            << size.width << " x " << size.height << ", m = 8";
+    }
 
     // Two half-lit walls of one surface each: k varies, labels do not.
     Scene scene;

@@ -179,27 +179,29 @@ TEST_F(OckhamMetricsTest, APrefixAveragesSurfacesLikeAnythingElse) {
     }
     // Half at 0.1 and half at 0.9: a variance of 0.16.
     const Result prefix = measure(windows, 1e-3f, false), apart = measure(windows, 1e-3f);
-    EXPECT_NEAR(prefix.variance[4].x, 0.16f, 0.001f);
+    // Drawn towards the mean over 3 x 3 pixels, of which a column has this variance.
+    EXPECT_NEAR(prefix.variance[4].x, 0.16f / std::cbrt(3.0f), 0.001f);
     EXPECT_EQ(prefix.variance[4].y, 0.0f);
-    EXPECT_EQ(prefix.ockham[4], 13) << "floor(1/2 + sqrt(1/4 + 160))";
+    EXPECT_EQ(prefix.ockham[4], 11) << "floor(1/2 + sqrt(1/4 + 110.9))";
     EXPECT_EQ(apart.ockham[4], 2);
     EXPECT_EQ(prefix.ockham[3], 1);
 }
 
 TEST_F(OckhamMetricsTest, StepsOfLumaHaveNoDeadZone) {
-    // Rows of three pixels on one surface; S steps by r to the right of the middle.
+    // Five rows of three pixels for each step, on one surface; S steps by r to the right of the
+    // middle.
     constexpr std::uint32_t kSteps = 41;
     for (const float base : {0.1f, 0.3f, 0.6f}) {
-        SurfaceWindows windows(3, 3 * kSteps, 4);
+        SurfaceWindows windows(3, 5 * kSteps, 4);
         windows.fill(10);
         for (std::uint32_t y = 0; y < windows.height; ++y) {
-            const float r = 0.2f * static_cast<float>(y / 3) / (kSteps - 1);
+            const float r = 0.2f * static_cast<float>(y / 5) / (kSteps - 1);
             for (std::uint32_t x = 0; x < 3; ++x) windows.set_luma(x, y, x == 2 ? base + r : base);
         }
         const Result result = measure(windows);
         float before = 0, ratio = 0;
         for (std::uint32_t step = 0; step < kSteps; ++step) {
-            const std::size_t middle = (3 * step + 1) * 3 + 1;
+            const std::size_t middle = (5 * step + 2) * 3 + 1;
             const float r = 0.2f * static_cast<float>(step) / (kSteps - 1);
             const float variance = result.variance[middle].x;
             if (step == 0) {
@@ -211,7 +213,7 @@ TEST_F(OckhamMetricsTest, StepsOfLumaHaveNoDeadZone) {
             EXPECT_NEAR(variance / (r * r), ratio, 1e-2f * ratio) << "grows with the square";
             before = variance;
         }
-        EXPECT_EQ(result.paper[(3 * 5 + 1) * 3 + 1], 1) << "the paper's dead zone";
+        EXPECT_EQ(result.paper[(5 * 5 + 2) * 3 + 1], 1) << "the paper's dead zone";
     }
 }
 

@@ -274,6 +274,26 @@ TEST_F(TilesTest, MakeTheSamePictureBitByBit) {
     EXPECT_LE(astray, 2u);
 }
 
+TEST_F(TilesTest, TheDefaultMetricSeesAcrossTheirBorders) {
+    // Variance is pooled over neighbours who look at theirs: two pixels around.
+    const LitScene lit(device(), varied_scene());
+    for (const std::uint32_t m : {2u, 3u, 4u, 5u, 6u, 7u, 8u}) {
+        SCOPED_TRACE(testing::Message() << "m = " << m);
+        AdaptiveAaParams p;
+        p.width = 45;
+        p.height = 31;
+        p.m = m;
+        p.gbuffer = GbufferLayout::visibility;
+        p.metric = MetricKind::ockham;
+        p.resolve = Resolve::stratified;
+        p.order_kind = SampleOrder::optimal;
+        p.demodulate = p.filter_highlights = true;
+        const Image whole = render(lit, p);
+        p.tile = {17, 31};
+        EXPECT_EQ(different_pixels(whole, render(lit, p)), 0u);
+    }
+}
+
 TEST_F(TilesTest, KeepBlocksOfCountsTogether) {
     const LitScene lit(device(), varied_scene());
     AdaptiveAaParams p;
