@@ -177,7 +177,7 @@ std::vector<Row> StabilitySuite::mean_over_cells(bool gather) {
         p.cache_error = 0.03f;
         VolumeGi gi(context_.device(), source.volume, source.transfer, source.environment,
             source.view, cube.view(), p);
-        converge(gi, context_.options.quick ? 40 : 1000);
+        converge(gi, context_.options.quick ? 40 : 1000, context_.options.quick ? 6 : 300);
         for (int step = 0; step < 8 && !interrupted(); ++step) gi.execute();
         gi.finish();
         const Image picture = gi.picture();

@@ -105,6 +105,7 @@ std::string VolumeScene::flags() const {
     add("albedo", fmt::format("{}", options.albedo));
     add("light", options.light);
     add("environment", sky ? kSkyFile : options.environment);
+    add("crop", options.crop);
     add("camera", camera);
     return text;
 }
@@ -253,9 +254,9 @@ std::map<std::string, Picture> VolumeRun::pictures() {
         {"picture", to_picture(picture)}, {"error", error_picture(picture, reference_.picture)}};
 }
 
-double converge(VolumeGi& gi, int most) {
+double converge(VolumeGi& gi, int most, double seconds) {
     double gpu = 0;
-    for (int i = 0; i < most && !interrupted(); ++i) {
+    for (int i = 0; i < most && gpu < seconds && !interrupted(); ++i) {
         gi.execute();
         gpu += gpu_seconds(gi.executor());
         if (gi.statistics().cache_converged) break;

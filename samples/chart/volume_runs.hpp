@@ -84,8 +84,9 @@ private:
     VolumeGi gi_;
 };
 
-/// Executes until the cache has reached its error, at most `most` times; GPU seconds that it took.
-double converge(VolumeGi& gi, int most);
+/// Executes until the cache has reached its error, at most `most` times and until `seconds` of GPU
+/// time are spent; returns these.
+double converge(VolumeGi& gi, int most, double seconds);
 
 /// Jobs beside what opens them.
 class JobList {

@@ -202,7 +202,8 @@ void VolumeSuite::add_caches(const VolumeScene& scene) {
                     const VolumeSource source = scene.load();
                     VolumeGi gi(context_.device(), source.volume, source.transfer,
                         source.environment, source.view, scene.view(), p);
-                    const double gpu = converge(gi, context_.options.quick ? 120 : 4000);
+                    const double gpu =
+                        converge(gi, context_.options.quick ? 120 : 4000, 20 * seconds_);
                     for (int step = 0; step < 16 && !interrupted(); ++step) gi.execute();
                     gi.finish();
                     const Image picture = gi.picture();
@@ -264,10 +265,10 @@ Plot VolumeSuite::cache_plot(const std::vector<Point>& points, const VolumeScene
         .question = "What do the bytes of a cache buy? " + scene.name,
         .x = {"cell_mib", "cache (MiB)", true, Better::less},
         .y = {"psnr", kPsnr, false, Better::more},
-        .caption =
-            "Composed from a cache that has reached its error (<code>--target-error</code>), "
-            "against the reference of mode noncaching. Along a curve the cells shrink. "
-            "Bytes are all that the cache takes while it is refined."};
+        .caption = "Composed from a cache that has reached its error (<code>--target-error</code>) "
+                   "or had its time, "
+                   "against the reference of mode noncaching. Along a curve the cells shrink. "
+                   "Bytes are all that the cache takes while it is refined."};
     for (const CacheFormat format : kFormats) {
         const std::string series = fmt::format("cache, {}", name_of(format));
         plot.curves.push_back(curve(points, scene.name, series, plot, name_of(format)));
