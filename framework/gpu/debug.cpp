@@ -4,6 +4,7 @@
 #include "framework/core/error.hpp"
 #include "framework/core/log.hpp"
 #include "framework/gpu/device.hpp"
+#include "framework/gpu/device_lost.hpp"
 
 namespace ockham::gpu {
 
@@ -99,8 +100,10 @@ std::string text_of(VkResult result) {
 void expect(VkResult result, std::string_view what) {
     if (result >= 0) return;
     const ResultText* row = find(result);
-    fail_device("{} failed: {}; {}", what, text_of(result),
+    const std::string text = fmt::format("{} failed: {}; {}", what, text_of(result),
         row ? row->advice : "see the driver's own messages");
+    if (result == VK_ERROR_DEVICE_LOST) throw DeviceLost(text);
+    fail_device("{}", text);
 }
 
 namespace {

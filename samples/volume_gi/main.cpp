@@ -10,6 +10,7 @@
 #include "framework/core/file.hpp"
 #include "framework/core/log.hpp"
 #include "framework/core/version.hpp"
+#include "framework/gpu/device_lost.hpp"
 #include "framework/graph/fingerprint.hpp"
 #include "passes/pipelines/volume_gi_options.hpp"
 #include "passes/volume/frame.hpp"
@@ -25,6 +26,7 @@ using namespace ockham;
 namespace {
 
 constexpr int kDefaultSteps = 32;
+constexpr int kMostLosses = 3; ///< of devices, before a run gives up
 
 struct Options {
     CommonOptions common;
@@ -175,9 +177,10 @@ class Session {
 public:
     Session(const Options& options, HeadlessRun& run, gpu::Device& device, VolumeGi& gi,
         const VolumeView& view, const std::vector<Camera>& cameras,
-        std::vector<std::vector<double>> isovalues, nlohmann::ordered_json identity)
+        const std::vector<std::vector<double>>& isovalues, nlohmann::ordered_json identity,
+        bool& saved)
         : o_(options), run_(run), device_(device), gi_(gi), view_(view), cameras_(cameras),
-          isovalues_(std::move(isovalues)), identity_(std::move(identity)) {}
+          isovalues_(isovalues), identity_(std::move(identity)), saved_(saved) {}
 
     /// False where it was interrupted; then the checkpoint is written.
     bool render() {
@@ -274,6 +277,7 @@ private:
             {identity_,
                 {{"frame", frame_}, {"steps", gi_.steps()}, {"seconds", seconds_}, {"rows", rows_}},
                 gi_.save()});
+        saved_ = true;
         since_saved_.restart();
     }
 
@@ -294,8 +298,9 @@ private:
     VolumeGi& gi_;
     VolumeView view_;
     const std::vector<Camera>& cameras_;
-    std::vector<std::vector<double>> isovalues_;
+    const std::vector<std::vector<double>>& isovalues_;
     nlohmann::ordered_json identity_;
+    bool& saved_; ///< whether this run has written its checkpoint
     std::size_t frame_ = 0;
     double seconds_ = 0; ///< of executions
     bool warm_ = false;
@@ -328,6 +333,32 @@ void print_summary(const FrameTimes& times, const VolumeGi& gi, const VolumeStat
     if (error) print_error(*error);
 }
 
+/// All that needs a device. Exit code.
+int render_on_device(const Options& o, const Params& params, const VolumeSource& source,
+    const std::vector<Camera>& cameras, const std::vector<std::vector<double>>& isovalues,
+    HeadlessRun& run, bool& saved) {
+    gpu::Device device(device_options(o.common));
+    watch_shaders(device, o.common);
+    log::info("{} ({})", device.info().name, device.info().driver_version);
+    const VolumeMode mode = mode_of(o, source.volume, cameras.size(), device);
+    VolumeGi gi(device, source.volume, source.transfer, source.environment, source.view,
+        cameras.front(), picture_params(o, mode));
+    run.announce(device, gi.executor());
+    log::info("volume {} MiB, graph {} MiB", gi.gpu().bytes() >> 20,
+        gi.executor().plan().bytes_peak >> 20);
+
+    Session session(o, run, device, gi, source.view, cameras, isovalues,
+        identity_of(params, source, cameras, mode, device), saved);
+    if (!session.render()) return 130;
+    expect_no_validation_messages(device);
+    run.save_captures(gi.executor(), gi.captures());
+    const VolumeStatistics statistics = gi.statistics();
+    const std::optional<ImageError> error = run.error_of(gi.picture());
+    print_summary(run.times(), gi, statistics, session.seconds(), error);
+    run.report(device, gi.executor(), {{"volume", to_json(statistics, mode)}}, error);
+    return 0;
+}
+
 int render(int argc, char** argv) {
     Options o;
     Params params;
@@ -342,27 +373,18 @@ int render(int argc, char** argv) {
 
     VolumeSource source = load_volume_source(o.volume);
     apply(o.method, source.view);
-    std::vector<std::vector<double>> isovalues = choose_isovalues(o, source.view, cameras.size());
-    gpu::Device device(device_options(o.common));
-    watch_shaders(device, o.common);
-    log::info("{} ({})", device.info().name, device.info().driver_version);
-    const VolumeMode mode = mode_of(o, source.volume, cameras.size(), device);
-    VolumeGi gi(device, source.volume, source.transfer, source.environment, source.view,
-        cameras.front(), picture_params(o, mode));
-    run.announce(device, gi.executor());
-    log::info("volume {} MiB, graph {} MiB", gi.gpu().bytes() >> 20,
-        gi.executor().plan().bytes_peak >> 20);
-
-    Session session(o, run, device, gi, source.view, cameras, std::move(isovalues),
-        identity_of(params, source, cameras, mode, device));
-    if (!session.render()) return 130;
-    expect_no_validation_messages(device);
-    run.save_captures(gi.executor(), gi.captures());
-    const VolumeStatistics statistics = gi.statistics();
-    const std::optional<ImageError> error = run.error_of(gi.picture());
-    print_summary(run.times(), gi, statistics, session.seconds(), error);
-    run.report(device, gi.executor(), {{"volume", to_json(statistics, mode)}}, error);
-    return 0;
+    const std::vector<std::vector<double>> isovalues =
+        choose_isovalues(o, source.view, cameras.size());
+    for (int lost = 1;; ++lost) {
+        bool saved = false;
+        try {
+            return render_on_device(o, params, source, cameras, isovalues, run, saved);
+        } catch (const gpu::DeviceLost& error) {
+            if (!saved || lost > kMostLosses) throw;
+            log::warning("{}; going on from '{}' on a new device", error.what(), o.checkpoint);
+            o.resume = o.checkpoint;
+        }
+    }
 }
 
 } // namespace

@@ -48,8 +48,7 @@ protected:
         return text;
     }
 
-    /// Every cut of short files and 64 of long ones, every wrong value of JSON, then random
-    /// changes.
+    /// Cuts, and every wrong value of JSON; of these a quarter in short runs.
     std::vector<std::string> systematic() const {
         std::vector<std::string> files;
         for (const std::string& good : GetParam().good) {
@@ -57,7 +56,9 @@ protected:
             for (std::size_t size = 0; size < good.size(); size += step)
                 files.push_back(good.substr(0, size));
             if (good.starts_with('{')) {
-                for (std::string& bad : Mutator::all_of_json(good)) files.push_back(std::move(bad));
+                std::vector<std::string> all = Mutator::all_of_json(good);
+                for (std::size_t i = 0; i < all.size(); i += random_files() < 1000 ? 4 : 1)
+                    files.push_back(std::move(all[i]));
             }
         }
         return files;
@@ -125,11 +126,11 @@ TEST_P(BadInput, what_is_no_file_is_refused_at_once) {
     EXPECT_NE(refusal(), "") << "a folder";
 }
 
-/// Megabytes of one byte, and of nesting.
+/// One byte over and over, and nesting without end.
 TEST_P(BadInput, monotonous_files_are_refused) {
     for (const char c : {'\0', '[', '{', '(', '9', ' ', '\n', '\xFF'}) {
         if (GetParam().name == "gltf_buffer") continue; // is data, whatever it holds
-        std::ofstream(file(), std::ios::binary) << std::string(std::size_t{2} << 20, c);
+        std::ofstream(file(), std::ios::binary) << std::string(std::size_t{1} << 18, c);
         EXPECT_NE(refusal(), "") << static_cast<int>(c);
     }
 }

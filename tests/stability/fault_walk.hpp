@@ -87,10 +87,14 @@ protected:
                 }
             }
         }
+        std::printf("reliability: faults {\"program\": \"%s\", \"faults\": %u, \"crashes\": %u, "
+                    "\"hangs\": %u, \"partial_files\": %u}\n",
+            job.program.c_str(), faults, crashes_, hangs_, partial_files_);
         return faults;
     }
 
 private:
+    unsigned crashes_ = 0, hangs_ = 0, partial_files_ = 0;
     std::filesystem::path input_; ///< beside the folder, whose files are judged
 
     Sizes sizes() const {
@@ -112,11 +116,15 @@ private:
             EXPECT_EQ(errors, 0u) << where;
         } else {
             EXPECT_EQ(result.exit_code, 3) << where; // 124: hung; 128: a signal
+            hangs_ += result.exit_code == 124;
+            crashes_ += result.exit_code >= 125;
             EXPECT_EQ(errors, 1u) << where;
             // A state names times, so that its length changes by some digits.
-            for (const auto& [name, bytes] : sizes())
-                EXPECT_TRUE(whole.contains(name) && bytes + 64 >= whole.at(name))
-                    << name << ": " << where;
+            for (const auto& [name, bytes] : sizes()) {
+                const bool is_whole = whole.contains(name) && bytes + 64 >= whole.at(name);
+                EXPECT_TRUE(is_whole) << name << ": " << where;
+                partial_files_ += !is_whole;
+            }
         }
     }
 };

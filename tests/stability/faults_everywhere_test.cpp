@@ -10,7 +10,6 @@ class FaultsEverywhere : public FaultWalk, public testing::WithParamInterface<Fa
 TEST_P(FaultsEverywhere, end_in_one_line) {
     const unsigned faults = walk(GetParam(), [](unsigned, unsigned) { return true; });
     RecordProperty("faults", static_cast<int>(faults));
-    std::printf("%s: %u faults, one at a time\n", GetParam().program.c_str(), faults);
 }
 
 INSTANTIATE_TEST_SUITE_P(, FaultsEverywhere, testing::ValuesIn(kFaultJobs),

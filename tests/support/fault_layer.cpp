@@ -4,7 +4,8 @@
 //   VK_LAYER_PATH=<folder of its manifest> VK_INSTANCE_LAYERS=VK_LAYER_OCKHAM_fault
 //   OCKHAM_FAULT=vkAllocateMemory:3:-2   the third call returns VK_ERROR_OUT_OF_DEVICE_MEMORY
 //   OCKHAM_FAULT_LOG=file                at the end: a line "name calls" of each entry point, "hit"
-// Once -4 (device lost) was returned, submissions and waits go on returning it, as drivers do.
+// Once -4 (device lost) was returned, submissions and waits go on returning it, as drivers do, until
+// another device is made.
 // arm_fault() does the same from inside a process. One driver at a time.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
@@ -83,7 +84,7 @@ public:
     }
     ~Plan() {
         const char* path = std::getenv("OCKHAM_FAULT_LOG");
-        std::FILE* file = path ? std::fopen(path, "w") : nullptr;
+        std::FILE* file = path ? std::fopen(path, "a") : nullptr;
         if (!file) return;
         for (std::size_t i = 0; i < kCalls; ++i) {
             if (counts_[i] > 0) std::fprintf(file, "%s %u\n", kNames[i], counts_[i]);
@@ -119,12 +120,19 @@ public:
         return hit_;
     }
 
+    /// A lost device does not come back; another one works.
+    void device_created() {
+        const std::lock_guard lock(mutex_);
+        lost_ = false;
+    }
+
     /// What this call returns instead of being made.
     std::optional<VkResult> fault(std::size_t call) {
         const std::lock_guard lock(mutex_);
         ++counts_[call];
         if (at_ > 0 && call == call_ && counts_[call] == at_) {
             hit_ = true;
+            ::unsetenv("OCKHAM_FAULT"); // the layer may be loaded again, with another instance
             lost_ = result_ == VK_ERROR_DEVICE_LOST;
             return result_;
         }
@@ -226,6 +234,7 @@ VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical,
     OCKHAM_DEVICE_CALLS(OCKHAM_NEXT)
 #undef OCKHAM_NEXT
     latest_device = *device;
+    plan().device_created();
     return result;
 }
 
