@@ -8,6 +8,8 @@
 #include "framework/scene/builtin.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <filesystem>
 
 namespace ockham {
 namespace {
@@ -34,6 +36,12 @@ void add_scene_options(Params& params, SceneOptions& o) {
                 names))
         .positional()
         .group(kScene);
+    add_scene_flags(params, o);
+    params.add("environment", &o.environment, "\"r,g,b\" radiance of the background").group(kScene);
+}
+
+void add_scene_flags(Params& params, SceneOptions& o) {
+    const char* kScene = "Scene";
     params
         .add("rig", &o.rig,
             "JSON with camera, background, ambient and lights in place of the scene's")
@@ -44,7 +52,18 @@ void add_scene_options(Params& params, SceneOptions& o) {
     params.add("lights", &o.lights, "use only the first so many lights; -1: all")
         .range(-1, 1 << 20)
         .group(kScene);
-    params.add("environment", &o.environment, "\"r,g,b\" radiance of the background").group(kScene);
+}
+
+bool names_scene(const std::string& argument) {
+    if (argument.starts_with(kBuiltin)) {
+        const std::string name = argument.substr(kBuiltin.size());
+        return std::ranges::any_of(
+            builtin_scenes(), [&](const BuiltinName& builtin) { return builtin.name == name; });
+    }
+    std::string end = std::filesystem::path(argument).extension().string();
+    std::ranges::transform(
+        end, end.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return end == ".gltf" || end == ".glb";
 }
 
 Scene load_scenes(const SceneOptions& o, const CommonOptions& common) {

@@ -21,6 +21,10 @@ struct SceneOptions {
 };
 
 void add_scene_options(Params& params, SceneOptions& options);
+/// The same for programs that name scenes and environment themselves.
+void add_scene_flags(Params& params, SceneOptions& options);
+/// Whether an argument means a scene: .gltf, .glb, or the builtin: name of one.
+bool names_scene(const std::string& argument);
 
 /// Loads and merges. Throws Error(input) naming file, flag and what was found.
 Scene load_scenes(const SceneOptions& options, const CommonOptions& common);

@@ -163,12 +163,23 @@ void set_surfaces(const VolumeOptions& o, const Volume& volume, VolumeView& view
 
 void add_volume_options(Params& params, VolumeOptions& o) {
     const char* kVolume = "Volume";
+    params.add("volume", &o.volume, volume_formats() + "; default builtin:cloud")
+        .positional()
+        .group(kVolume);
+    params
+        .add("environment", &o.environment,
+            "radiance from all around, \"r,g,b\", or an equirectangular .exr, zenith at +z")
+        .group(kVolume);
+    add_volume_flags(params, o);
+}
+
+void add_volume_flags(Params& params, VolumeOptions& o) {
+    const char* kVolume = "Volume";
     const char* kSurface = "Isosurfaces";
     const auto add = [&](const char* group, const char* name, Param::Target target,
                          std::string help) -> Param& {
         return params.add(name, target, std::move(help)).group(group);
     };
-    add(kVolume, "volume", &o.volume, volume_formats() + "; default builtin:cloud").positional();
     add(kVolume, "transfer", &o.transfer,
         fmt::format("what values look like: a JSON file or {}; default: from the histogram",
             fmt::join(kPresets, ", ")));
@@ -183,8 +194,6 @@ void add_volume_options(Params& params, VolumeOptions& o) {
         .range(-0.999, 0.999);
     add(kVolume, "light", &o.light,
         "\"dx,dy,dz r,g,b\": the direction that light travels, and its irradiance");
-    add(kVolume, "environment", &o.environment,
-        "radiance from all around, \"r,g,b\", or an equirectangular .exr, zenith at +z");
     add(kVolume, "crop", &o.crop, "x0,x1,y0,y1,z0,z1: the part to show, 0 to 1 over the box");
     add(kVolume, "clip-plane", &o.clip_planes,
         "nx,ny,nz,d: shows what has n p + d >= 0 in world units; repeatable");

@@ -30,6 +30,8 @@ struct VolumeOptions {
 };
 
 void add_volume_options(Params& params, VolumeOptions& options);
+/// The same for programs that name volume and environment themselves.
+void add_volume_flags(Params& params, VolumeOptions& options);
 
 struct VolumeSource {
     Volume volume;

@@ -283,6 +283,7 @@ AdaptiveAaOutputs add_picture(
         graph.omit_pass(
             "clusters", "--metric paper and --resolve prefix look at the window as a whole");
     }
+    out.labels = clusters.labels;
     add_means(graph, in, clusters, params);
     out.first_sample = add_first_sample(graph, in, shading);
     const Allocation counts = add_counts(graph, in, clusters, out.first_sample, params);
@@ -325,7 +326,7 @@ AdaptiveAaOutputs add_adaptive_aa(
             .height = params.height,
             .m = params.m,
             .layout = params.gbuffer.value_or(GbufferLayout::packed),
-            .slopes = !clusters_reason(params).empty(),
+            .slopes = !clusters_reason(params).empty() || (in.medium && params.m > 1),
             .tile = params.view},
         max_extent);
     const ShadingParams shading{.width = params.width,
@@ -334,7 +335,20 @@ AdaptiveAaOutputs add_adaptive_aa(
         .stall = params.stall,
         .anisotropy = params.anisotropy};
     AdaptiveAaOutputs out = add_picture(graph, in, shading, params);
-    graph.export_resource(out.radiance, "the picture");
+    out.gbuffer = in.gbuffer;
+    if (in.medium && !out.labels && params.m > 1) {
+        out.labels =
+            add_clusters(graph, in.scene.frame, in.gbuffer, {params.width, params.height, params.m},
+                "the medium hides each surface of a pixel for itself")
+                .labels;
+    }
+    if (!in.medium) graph.export_resource(out.radiance, "the picture");
+    if (!params.no_medium.empty()) {
+        for (const char* pass : {"majorants", "cache", "path_trace", "compose", "over_meshes"})
+            graph.omit_pass(pass, params.no_medium);
+        for (const char* resource : {"volume", "transfer"})
+            graph.omit_resource(resource, params.no_medium);
+    }
 
     if (params.aov) {
         const SurfaceAov aov =

@@ -69,6 +69,7 @@ struct AdaptiveAaParams {
     bool aov = false;                     ///< export k, winner, S, depth, normal, material too
     bool export_counts = false;           ///< export k
     std::vector<std::string> captures;    ///< names of further images to export
+    std::string no_medium; ///< where there could be a medium, why there is none: for explain
 };
 
 /// The parameters with everything derived: m = 1 and "none" are the same picture. Throws
@@ -86,10 +87,13 @@ bool is_shading_pass(std::string_view pass);
 struct AdaptiveAaOutputs {
     ImageHandle radiance; ///< rgba32f: linear radiance, share of samples that hit
     ImageHandle first_sample, sample_count, winner, aov_surface, aov_material;
+    Gbuffer gbuffer;
+    ImageHandle labels;                ///< of Clusters; with a medium always there, but at m = 1
     std::vector<ImageHandle> captures; ///< as in the parameters
 };
 
-/// Declares the graph. `in.gbuffer` is filled here.
+/// Declares the graph. `in.gbuffer` is filled here. With `in.medium` the picture is that of the
+/// surfaces alone, part of another, and is not exported.
 AdaptiveAaOutputs add_adaptive_aa(
     Graph& graph, ShadingInputs in, const AdaptiveAaParams& params, std::uint32_t max_extent);
 

@@ -5,6 +5,7 @@
 #include "framework/gpu/device.hpp"
 #include "passes/volume/frame.hpp"
 #include "passes/volume/majorants.hpp"
+#include "passes/volume/meshes.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -92,13 +93,16 @@ ModeChoice choose_mode(const Volume& volume, std::uint64_t pictures, std::uint32
 
 VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunction& transfer,
     const Image& environment, const VolumeView& view, const Camera& camera,
-    const VolumeGiParams& params)
-    : device_(device), place_(place_of(volume)), gpu_(device, volume, transfer, environment),
-      view_(view), camera_(camera), params_(checked(params)),
+    const VolumeGiParams& params, std::unique_ptr<MeshBackground> meshes)
+    : device_(device), place_(params.place.value_or(place_of(volume))),
+      gpu_(device, volume, transfer, environment), view_(view), camera_(camera),
+      params_(checked(params)), meshes_(std::move(meshes)),
       frame_(device, gpu::BufferInfo{.bytes = sizeof(shader::VolumeFrame),
                          .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                          .name = "frame",
                          .memory = gpu::MemoryUse::upload}) {
+    if (meshes_ && gpu_.facts().environment_map)
+        fail_input("--environment: meshes have one colour behind them; found a map");
     show(view, camera);
     if (caching()) cache_size_ = count_cache_cells(device_, gpu_, frame_, cache_params());
     Graph graph = declare();
@@ -111,8 +115,12 @@ VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunc
 }
 
 void VolumeGi::show(const VolumeView& view, const Camera& camera) {
-    const shader::VolumeFrame frame =
+    shader::VolumeFrame frame =
         make_volume_frame(place_, gpu_, camera, params_.width, params_.height, view);
+    if (meshes_) {
+        meshes_->show(camera, params_.width, params_.height);
+        meshes_->describe(frame);
+    }
     std::memcpy(frame_.mapped().data(), &frame, sizeof(frame));
     view_ = view;
     camera_ = camera;
@@ -145,6 +153,7 @@ Graph VolumeGi::declare() {
     new_view_ = graph.add_condition("new view");
     restart_ = graph.add_condition("new picture");
     declare_majorants(graph);
+    if (meshes_) medium_.meshes = meshes_->declare(graph, medium_, new_view_);
     cache_.reset();
     composed_.reset();
     if (caching()) {
@@ -154,6 +163,12 @@ Graph VolumeGi::declare() {
             fmt::format("--mode {}: every path finds its own light", name_of(params_.mode)));
     }
     declare_picture(graph);
+    if (meshes_) radiance_ = add_over_meshes(graph, medium_.meshes.picture, radiance_);
+    if (!params_.no_meshes.empty()) {
+        for (const char* pass : {"gbuffer", "first_sample", "metrics", "buckets", "shade",
+                 "resolve", "mesh_ends", "mesh_radiance", "over_meshes"})
+            graph.omit_pass(pass, params_.no_meshes);
+    }
     graph.export_resource(radiance_, "the picture");
     declare_captures(graph);
     return graph;
@@ -226,6 +241,7 @@ void VolumeGi::declare_captures(Graph& graph) {
 void VolumeGi::bind() {
     gpu_.bind(*executor_, medium_.handles);
     executor_->bind(medium_.frame, frame_);
+    if (meshes_) meshes_->bind(*executor_);
 }
 
 void VolumeGi::declare_anew() {
@@ -381,6 +397,10 @@ void VolumeGi::add_pixel_error(VolumeStatistics& out) {
         // Of one sample nothing is known: as if it were its own error.
         const double spread = n > 1 ? (square.plane(0)[i] / n - m * m) / (n - 1) : m * m;
         variance += std::max(spread, 0.0);
+    }
+    if (meshes_) { // the samples are of the change of their picture
+        const Image picture = executor_->read(medium_.meshes.picture);
+        for (std::size_t i = 0; i < picture.pixels(); ++i) mean += luminance(picture, i);
     }
     const auto pixels = static_cast<double>(sum.pixels());
     out.mean_variance = variance / pixels;

@@ -10,6 +10,7 @@
 #include "framework/scene/camera.hpp"
 #include "framework/scene/volume_view.hpp"
 #include "framework/scene_gpu/volume_gpu.hpp"
+#include "passes/pipelines/mesh_background.hpp"
 #include "passes/volume/cache.hpp"
 #include "passes/volume/compose.hpp"
 #include "passes/volume/path_trace.hpp"
@@ -49,6 +50,8 @@ struct VolumeGiParams {
     SurfaceSearch search = SurfaceSearch::exact; ///< other than exact: composition only
 
     std::vector<std::string> captures; ///< names of further images to export
+    std::optional<VolumePlace> place;  ///< empty: place_of() the volume
+    std::string no_meshes; ///< where there could be meshes, why there are none: for explain
 };
 
 /// Which mode suits `pictures` views of a volume, and why: path for one, caching where several can
@@ -79,10 +82,11 @@ struct VolumeStatistics {
 class VolumeGi {
 public:
     /// `environment`: see VolumeGpu. Throws Error(input) for parameters and views out of range,
-    /// Error(device) for want of memory.
+    /// Error(device) for want of memory. `meshes`: stand in the medium, and are seen through it;
+    /// the light of both must be the same (surface_volume.hpp), the environment one colour.
     VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunction& transfer,
         const Image& environment, const VolumeView& view, const Camera& camera,
-        const VolumeGiParams& params);
+        const VolumeGiParams& params, std::unique_ptr<MeshBackground> meshes = nullptr);
 
     /// One step.
     void execute();
@@ -118,6 +122,7 @@ public:
     const VolumeGpu& gpu() const { return gpu_; }
     Executor& executor() { return *executor_; }
     const std::vector<ImageHandle>& captures() const { return captures_; }
+    const MeshBackground* meshes() const { return meshes_.get(); } ///< null: there are none
 
 private:
     /// What has changed since the last execution.
@@ -153,6 +158,7 @@ private:
     VolumeView view_;
     Camera camera_;
     VolumeGiParams params_;
+    std::unique_ptr<MeshBackground> meshes_;
 
     gpu::Buffer frame_;
     CacheSize cache_size_;

@@ -25,18 +25,18 @@ Buckets add_buckets(Graph& graph, ImageHandle sample_count, const BucketsParams&
     const std::uint32_t tiles = 1u << (push.tile_bits.x + push.tile_bits.y);
     const std::uint64_t words = sizeof(std::uint32_t);
 
-    BufferHandle histogram =
-        graph.create_buffer("tile_histogram", {std::uint64_t{params.bucket_count} * tiles * words});
+    BufferHandle histogram = graph.create_buffer(
+        params.prefix + "tile_histogram", {std::uint64_t{params.bucket_count} * tiles * words});
     Buckets out{
         .table = graph.create_buffer(
-            "bucket_table", {(params.bucket_count + 1) * sizeof(shader::Bucket)}),
-        .arguments = graph.create_buffer(
-            "bucket_arguments", {(params.bucket_count + 1) * sizeof(shader::DispatchArguments)}),
+            params.prefix + "bucket_table", {(params.bucket_count + 1) * sizeof(shader::Bucket)}),
+        .arguments = graph.create_buffer(params.prefix + "bucket_arguments",
+            {(params.bucket_count + 1) * sizeof(shader::DispatchArguments)}),
         .list = graph.create_buffer(
-            "pixel_list", {std::uint64_t{params.width} * params.height * words}),
+            params.prefix + "pixel_list", {std::uint64_t{params.width} * params.height * words}),
     };
 
-    PassBuilder count = graph.add_compute_pass("bucket_count");
+    PassBuilder count = graph.add_compute_pass(params.prefix + "bucket_count");
     count.because("one dispatch per sample count needs the pixels of each count together");
     count.read("sample_count", sample_count);
     histogram = count.write("tile_histogram", histogram);
@@ -46,7 +46,7 @@ Buckets add_buckets(Graph& graph, ImageHandle sample_count, const BucketsParams&
             {tiles, 1, 1});
     });
 
-    PassBuilder scan = graph.add_compute_pass("bucket_scan");
+    PassBuilder scan = graph.add_compute_pass(params.prefix + "bucket_scan");
     scan.because("where each tile's pixels of a count begin");
     histogram = scan.read_write("tile_histogram", histogram);
     out.table = scan.write("bucket_table", out.table);
@@ -56,7 +56,7 @@ Buckets add_buckets(Graph& graph, ImageHandle sample_count, const BucketsParams&
             {push.bucket_count, 1, 1});
     });
 
-    PassBuilder arguments = graph.add_compute_pass("bucket_arguments");
+    PassBuilder arguments = graph.add_compute_pass(params.prefix + "bucket_arguments");
     arguments.because("the device itself decides how large each dispatch is");
     out.table = arguments.read_write("bucket_table", out.table);
     out.arguments = arguments.write("bucket_arguments", out.arguments);
@@ -67,7 +67,7 @@ Buckets add_buckets(Graph& graph, ImageHandle sample_count, const BucketsParams&
             {1, 1, 1});
     });
 
-    PassBuilder scatter = graph.add_compute_pass("bucket_scatter");
+    PassBuilder scatter = graph.add_compute_pass(params.prefix + "bucket_scatter");
     scatter.because("lists the pixels of each count, tile by tile");
     scatter.read("sample_count", sample_count).read("bucket_table", out.table);
     histogram = scatter.read_write("tile_histogram", histogram);

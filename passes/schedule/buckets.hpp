@@ -6,12 +6,14 @@
 #include "framework/graph/graph.hpp"
 
 #include <cstdint>
+#include <string>
 
 namespace ockham {
 
 struct BucketsParams {
     std::uint32_t width = 0, height = 0; ///< of the count image, each <= 65,535
     std::uint32_t bucket_count = 1;      ///< largest count, 1 ... 64
+    std::string prefix = {};             ///< of the names of passes and resources
 };
 
 /// Layouts: shaders/schedule/buckets.h.

@@ -6,7 +6,8 @@
 namespace ockham {
 
 ImageHandle add_first_sample(Graph& graph, const ShadingInputs& in, const ShadingParams& params) {
-    samples_per_dispatch(in.scene.scene->facts(), params); // refuses what a kernel cannot finish
+    samples_per_dispatch(
+        in.scene.scene->facts(), params, in.medium); // refuses what a kernel cannot finish
     const ImageHandle image = graph.create_image("first_sample",
         {.format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = params.width, .height = params.height});
     PassBuilder pass = graph.add_compute_pass("first_sample");

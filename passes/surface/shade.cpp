@@ -26,7 +26,8 @@ struct BackEnd {
 /// Adds the passes that together sum all samples, each within the iteration budget.
 ImageHandle add_rounds(
     Graph& graph, const ShadingInputs& in, const ShadingParams& params, const BackEnd& back_end) {
-    const std::uint32_t per_round = samples_per_dispatch(in.scene.scene->facts(), params);
+    const std::uint32_t per_round =
+        samples_per_dispatch(in.scene.scene->facts(), params, in.medium);
     const Stage stage = back_end.raster ? Stage::fragment : Stage::compute;
     ImageHandle sum = graph.create_image("shaded_sum",
         {.format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = params.width, .height = params.height});

@@ -31,6 +31,7 @@ void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage) {
     if (packed && needs_data_textures(in))
         pass.sample("data_textures", in.scene.handles.data_textures, stage, Filter::linear_repeat);
     if (in.shadow_map) pass.sample("shadow_map", in.shadow_map, stage);
+    if (in.medium) read_transmittance(pass, *in.medium);
 }
 
 std::string shading_variant(
@@ -39,7 +40,8 @@ std::string shading_variant(
         shader, {{mode, !mode.empty()}, {"color_textures", in.scene.scene->facts().color_textures},
                     {"data_textures", needs_data_textures(in)}, {"shadow", bool(in.shadow_map)},
                     {"extra", bool(in.gbuffer.extra)},
-                    {"visibility", in.gbuffer.layout == GbufferLayout::visibility}});
+                    {"visibility", in.gbuffer.layout == GbufferLayout::visibility},
+                    {"medium", in.medium.has_value()}});
 }
 
 Specialization shading_specialization(const ShadingInputs& in, bool stratified) {
@@ -48,6 +50,10 @@ Specialization shading_specialization(const ShadingInputs& in, bool stratified) 
     out.insert(out.end(), {{SPEC_DIRECTIONAL_LIGHTS, facts.directional_lights > 0},
                               {SPEC_POINT_LIGHTS, facts.point_lights > 0},
                               {SPEC_SPOT_LIGHTS, facts.spot_lights > 0}});
+    if (in.medium) {
+        const Specialization medium = transmittance_specialization(*in.medium);
+        out.insert(out.end(), medium.begin(), medium.end());
+    }
     if (stratified) {
         out.insert(out.end(),
             {{SPEC_DEMODULATE, in.demodulate}, {SPEC_FILTER_HIGHLIGHTS, in.filter_highlights}});
@@ -55,21 +61,25 @@ Specialization shading_specialization(const ShadingInputs& in, bool stratified) 
     return out;
 }
 
-std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams& params) {
+std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams& params,
+    const std::optional<MediumInputs>& medium) {
     const std::uint32_t lookups =
         2u * (facts.color_textures ? 1u : 0u) + 2u * (facts.shading_data_textures ? 1u : 0u);
-    return (params.stall + 15) / 16 + facts.directional_lights + facts.point_lights +
-           facts.spot_lights + lookups * params.anisotropy + 1;
+    const std::uint32_t lights = facts.directional_lights + facts.point_lights + facts.spot_lights;
+    const std::uint32_t ways = medium ? lights * transmittance_iterations(*medium) : 0;
+    return (params.stall + 15) / 16 + lights + lookups * params.anisotropy + ways + 1;
 }
 
-std::uint32_t samples_per_dispatch(const SceneFacts& facts, const ShadingParams& params) {
-    const std::uint32_t iterations = iterations_per_sample(facts, params);
+std::uint32_t samples_per_dispatch(const SceneFacts& facts, const ShadingParams& params,
+    const std::optional<MediumInputs>& medium) {
+    const std::uint32_t iterations = iterations_per_sample(facts, params, medium);
     if (iterations > kIterationBudget) {
         fail_input(
-            "one shaded sample would take {} loop iterations (stall {}, {} lights); the limit "
+            "one shaded sample would take {} loop iterations (stall {}, {} lights{}); the limit "
             "is {}: use fewer lights or a shorter stall",
             iterations, params.stall,
-            facts.directional_lights + facts.point_lights + facts.spot_lights, kIterationBudget);
+            facts.directional_lights + facts.point_lights + facts.spot_lights,
+            medium ? ", each through the medium" : "", kIterationBudget);
     }
     return kIterationBudget / iterations;
 }

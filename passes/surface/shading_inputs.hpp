@@ -4,7 +4,9 @@
 #pragma once
 
 #include "passes/surface/gbuffer.hpp"
+#include "passes/volume/medium_inputs.hpp"
 
+#include <optional>
 #include <string>
 
 namespace ockham {
@@ -17,6 +19,7 @@ struct ShadingInputs {
     ImageHandle means = {};
     bool demodulate = false, filter_highlights = false; ///< which of the means are used
     BufferHandle frame_before = {}; ///< FrameData of the execution before; empty: the camera stays
+    std::optional<MediumInputs> medium = {}; ///< stands before what is seen, and before its lights
 };
 
 struct ShadingParams {
@@ -35,11 +38,14 @@ std::string shading_variant(
 /// `stratified` which means are used.
 Specialization shading_specialization(const ShadingInputs& in, bool stratified = false);
 
-/// Loop iterations of one shaded sample, at most: stall, lights and texture taps together.
-std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams& params);
+/// Loop iterations of one shaded sample, at most: stall, lights, texture taps and ways through a
+/// medium together.
+std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams& params,
+    const std::optional<MediumInputs>& medium = {});
 /// Iterations that one invocation may spend: software drivers stop a kernel silently at 65,535.
 inline constexpr std::uint32_t kIterationBudget = 50000;
 /// Samples that one invocation may shade within kIterationBudget. Throws Error(input) if not one.
-std::uint32_t samples_per_dispatch(const SceneFacts& facts, const ShadingParams& params);
+std::uint32_t samples_per_dispatch(const SceneFacts& facts, const ShadingParams& params,
+    const std::optional<MediumInputs>& medium = {});
 
 } // namespace ockham

@@ -192,13 +192,15 @@ void add_trace(Graph& graph, const MediumInputs& medium, const shader::CachePush
     PassBuilder pass = graph.add_compute_pass("cache_trace");
     pass.because("light that arrives in the cells, a dispatch per number of paths");
     read_medium(pass, medium);
+    read_meshes(pass, medium, false);
     pass.read("bucket_table", buckets.table)
         .read("pixel_list", buckets.list)
         .indirect(buckets.arguments);
     set.control = pass.read_write("cache_control", set.control);
     set.sums = pass.read_write("cache_sums", set.sums);
     set.paths = pass.read_write("cache_paths", set.paths);
-    const std::string kernel = medium_variant("volume/cache_trace.comp", "", medium);
+    const std::string kernel =
+        mesh_variant(medium_variant("volume/cache_trace.comp", "", medium), medium);
     pass.record([push, kernel, specialization = medium_specialization(medium),
                     arguments = buckets.arguments](Commands& commands) {
         // The dearest cells first: what is left over at the end of a dispatch is then cheap.
@@ -295,6 +297,7 @@ Cache add_cache(Graph& graph, const MediumInputs& inputs, const CacheParams& par
     validate(params);
     MediumInputs medium = inputs;
     medium.surfaces = inputs.surfaces && params.occlusion;
+    if (!medium.meshes.sun_map) medium.meshes = {}; // its paths see no more of them
     const shader::CachePush push = push_of(medium, params);
     Cache out;
     out.layout = graph.add_condition("cache_layout");
@@ -332,7 +335,8 @@ Cache add_cache(Graph& graph, const MediumInputs& inputs, const CacheParams& par
     add_enter(graph, medium, push, out.index, out.cells, set);
     out.counts = add_allocate(graph, medium, push, set);
     const ImageDesc map = graph.desc(out.counts);
-    const Buckets buckets = add_buckets(graph, out.counts, {map.width, map.height, CACHE_BUCKETS});
+    const Buckets buckets =
+        add_buckets(graph, out.counts, {map.width, map.height, CACHE_BUCKETS, "cache_"});
     add_trace(graph, medium, push, buckets, set);
     out.cells = add_publish(graph, medium, push, set, out.cells);
 

@@ -35,14 +35,15 @@ Composed add_compose(
         });
     }
     const bool depth = in.medium.surfaces && in.surface_depth;
-    const std::string shader =
-        medium_variant("volume/compose.comp", depth ? "depth_image" : "", in.medium);
+    const std::string shader = mesh_variant(
+        medium_variant("volume/compose.comp", depth ? "depth_image" : "", in.medium), in.medium);
     const Specialization constants = medium_specialization(in.medium);
     for (std::uint32_t sample = 0; sample < params.samples; ++sample) {
         PassBuilder pass =
             graph.add_compute_pass(sample == 0 ? "compose" : fmt::format("compose.{}", sample));
         pass.because("the picture, from the medium, its surfaces and the cached light");
         read_medium(pass, in.medium);
+        read_meshes(pass, in.medium, true);
         pass.read("cache_index", in.cache_index).read("cache_cells", in.cache_cells);
         if (depth) pass.read("surface_depth", in.surface_depth);
         out.sum = pass.read_write("compose_sum", out.sum);

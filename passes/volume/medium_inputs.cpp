@@ -3,6 +3,9 @@
 
 #include "passes/shader_variant.hpp"
 #include "shaders/include/random.h"
+#include "shaders/volume/meshes.h"
+
+#include <cmath>
 
 namespace ockham {
 
@@ -27,7 +30,42 @@ std::string medium_variant(
 }
 
 Specialization medium_specialization(const MediumInputs& in) {
-    return {{SPEC_SOBOL, in.sobol ? 1u : 0u}};
+    Specialization out{{SPEC_SOBOL, in.sobol ? 1u : 0u}};
+    if (in.meshes.ends) out.emplace_back(SPEC_SUN_MAP, bool(in.meshes.sun_map));
+    return out;
+}
+
+void read_meshes(PassBuilder& pass, const MediumInputs& in, bool camera) {
+    if (!in.meshes.ends) return;
+    if (camera)
+        pass.sample("mesh_ends", in.meshes.ends).sample("mesh_radiance", in.meshes.radiance);
+    pass.sample("sun_map", in.meshes.sun_map ? in.meshes.sun_map : in.meshes.picture);
+}
+
+std::string mesh_variant(std::string variant, const MediumInputs& in) {
+    if (!in.meshes.ends) return variant;
+    return variant + (variant.find(':') == std::string::npos ? ":meshes" : ",meshes");
+}
+
+void read_transmittance(PassBuilder& pass, const MediumInputs& in) {
+    pass.uniform("medium_frame", in.frame)
+        .sample("volume", in.handles.volume, Stage::compute, Filter::linear_clamp)
+        .read("transfer", in.handles.transfer)
+        .read("majorants", in.majorants ? in.majorants : in.handles.transfer)
+        .read("ranges", in.surfaces ? in.ranges : in.handles.transfer);
+}
+
+Specialization transmittance_specialization(const MediumInputs& in) {
+    return {{SPEC_MEDIUM_GRID, bool(in.majorants)}, {SPEC_MEDIUM_SURFACES, in.surfaces}};
+}
+
+std::uint32_t transmittance_iterations(const MediumInputs& in) {
+    const glm::uvec3 dims = in.facts.dims;
+    const auto steps = static_cast<std::uint32_t>(std::ceil(glm::length(glm::dvec3(dims))));
+    // The search looks at each cell once; bisection takes 20, of every surface that lets light
+    // through, of which a hundred are plenty.
+    const std::uint32_t search = dims.x + dims.y + dims.z + 64 + 100 * 20;
+    return steps + 1 + MAX_CLIP_PLANES + (in.surfaces ? search : 0);
 }
 
 } // namespace ockham

@@ -12,6 +12,14 @@
 
 namespace ockham {
 
+/// Meshes in the medium; empty handles: there are none, or the sun casts no shadow.
+struct MeshInputs {
+    ImageHandle ends;     ///< add_mesh_ends()
+    ImageHandle radiance; ///< add_mesh_radiance()
+    ImageHandle picture;  ///< of the meshes alone, kept
+    ImageHandle sun_map;  ///< add_shadow_map(), of VolumeFrame::sun_projection
+};
+
 struct MediumInputs {
     VolumeFacts facts;
     VolumeHandles handles;
@@ -20,6 +28,7 @@ struct MediumInputs {
     BufferHandle majorants; ///< float per range cell: greatest opacity; not where homogeneous
     bool surfaces = false;  ///< there is an isovalue
     bool sobol = true;      ///< samples of a pixel or cell avoid each other
+    MeshInputs meshes = {};
 };
 
 /// Which of them a kernel reads; the medium itself always.
@@ -37,7 +46,19 @@ void read_medium(PassBuilder& pass, const MediumInputs& in, const MediumUse& use
 std::string medium_variant(std::string_view shader, std::string_view mode, const MediumInputs& in,
     const MediumUse& use = {});
 
-/// Constants of kernels that draw random numbers (shaders/include/random.glsl).
+/// Constants of kernels that draw random numbers (shaders/include/random.glsl), and look at meshes.
 Specialization medium_specialization(const MediumInputs& in);
+
+/// Declares what shaders/volume/meshes.glsl reads, where there are meshes: `camera`, where rays of
+/// a camera are followed. mesh_variant() adds the feature to a name by medium_variant().
+void read_meshes(PassBuilder& pass, const MediumInputs& in, bool camera);
+std::string mesh_variant(std::string variant, const MediumInputs& in);
+
+/// Declares what shaders/volume/transmittance.glsl reads. It is there once, with and without
+/// majorants and isosurfaces: what its constants switch off is bound to something else.
+void read_transmittance(PassBuilder& pass, const MediumInputs& in);
+Specialization transmittance_specialization(const MediumInputs& in);
+/// Loop iterations of one way through the medium, at most.
+std::uint32_t transmittance_iterations(const MediumInputs& in);
 
 } // namespace ockham

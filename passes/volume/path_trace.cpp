@@ -63,7 +63,8 @@ void add_restart(Graph& graph, PathTrace& out, std::vector<Band>& bands) {
 /// One dispatch per band, which takes `samples` more of each of its pixels.
 void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& params,
     std::uint32_t samples, const PathCache& cache, PathTrace& out, std::vector<Band>& bands) {
-    const std::string shader = medium_variant("volume/path_trace.comp", name_of(params.mode), in);
+    const std::string shader =
+        mesh_variant(medium_variant("volume/path_trace.comp", name_of(params.mode), in), in);
     const Specialization constants = medium_specialization(in);
     for (std::size_t i = 0; i < bands.size(); ++i) {
         Band& band = bands[i];
@@ -73,6 +74,7 @@ void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& para
         pass.because(samples > 0 ? fmt::format("{} samples for every pixel", samples)
                                  : "finishes the paths that have begun");
         read_medium(pass, in);
+        read_meshes(pass, in, true);
         if (params.mode == PathMode::gather)
             pass.read("cache_index", cache.index).read("cache_cells", cache.cells);
         out.sum = pass.read_write("sum", out.sum);

@@ -5,6 +5,7 @@
 #ifndef OCKHAM_SHADERS_SHARED_VOLUME_H
 #define OCKHAM_SHADERS_SHARED_VOLUME_H
 
+#include "shared/frame.h"
 #include "shared/types.h"
 
 OCKHAM_SHARED_BEGIN
@@ -84,6 +85,11 @@ struct VolumeFrame {
 
     uint seed;
     uint max_bounces; ///< scatterings per path, ~0: as many as it takes
+
+    // Meshes in the same world, where there are any.
+    mat4 sun_projection; ///< as in shared/frame.h
+    uint window;         ///< m: rays go through the centres of m x m samples per pixel
+    uint sample_order[MAX_SAMPLES]; ///< as in shared/frame.h
 };
 
 OCKHAM_SHARED_END

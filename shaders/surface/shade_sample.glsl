@@ -4,6 +4,7 @@
 
 #include "include/bsdf.glsl"
 #include "include/footprint.glsl"
+#include "include/sun_map.glsl"
 #include "shared/frame.h"
 #include "surface/material.glsl"
 #include "surface/shade.h"
@@ -27,6 +28,8 @@ layout(binding = 7) uniform sampler2DArray data_textures;
 #ifdef SHADOW
 layout(binding = 8) uniform sampler2D shadow_map;
 #endif
+
+#include "surface/lit_through.glsl"
 
 layout(push_constant, scalar) uniform Push { ShadePush push; };
 
@@ -73,25 +76,13 @@ float surface_error(float depth) {
     return (frame.data.orthographic != 0u ? 1.0 : depth) * sample_size / 16.0;
 }
 
-/// Share of the sun that arrives: four nearest depths, compared, then interpolated. `depth`: along
-/// the camera's axis.
+/// Share of the sun that meshes let through. `depth`: along the camera's axis.
 float sun_visibility(vec3 world, float depth, vec3 normal, float n_l) {
     float slope = sqrt(clamp(1.0 - n_l * n_l, 0.0, 1.0));
     float lift = frame.data.sun_texel * (0.5 + 2.0 * slope) + surface_error(depth);
     vec3 lifted = world + normal * lift;
     vec4 p = frame.data.sun_projection * vec4(lifted, 1.0);
-    vec2 size = vec2(textureSize(shadow_map, 0));
-    vec2 texel = (0.5 * p.xy + 0.5) * size - 0.5;
-    ivec2 base = ivec2(floor(texel));
-    vec2 weight = texel - vec2(base);
-    ivec2 limit = ivec2(size) - 1;
-    ivec2 low = clamp(base, ivec2(0), limit);
-    ivec2 high = clamp(base + 1, ivec2(0), limit);
-    float lit00 = float(p.z >= texelFetch(shadow_map, low, 0).x);
-    float lit10 = float(p.z >= texelFetch(shadow_map, ivec2(high.x, low.y), 0).x);
-    float lit01 = float(p.z >= texelFetch(shadow_map, ivec2(low.x, high.y), 0).x);
-    float lit11 = float(p.z >= texelFetch(shadow_map, high, 0).x);
-    return mix(mix(lit00, lit10, weight.x), mix(lit01, lit11, weight.x), weight.y);
+    return sun_map_share(shadow_map, p.xyz);
 }
 #endif
 
@@ -170,6 +161,7 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
 #ifdef SHADOW
             if (light == 0u) visible = sun_visibility(world, depth, n, dot(n, l));
 #endif
+            visible *= lit_through(world, n, l, 1e30);
             radiance += visible * lights.items[light].intensity * reflect_light(surface, n, v, l);
         }
     }
@@ -179,7 +171,8 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
             vec3 to_light = lights.items[light].position - world;
             float distance2 = dot(to_light, to_light);
             vec3 l = to_light * inversesqrt(max(distance2, 1e-12));
-            radiance += attenuation(lights.items[light], distance2) * lights.items[light].intensity *
+            radiance += attenuation(lights.items[light], distance2) *
+                        lit_through(world, n, l, sqrt(distance2)) * lights.items[light].intensity *
                         reflect_light(surface, n, v, l);
         }
     }
@@ -192,6 +185,7 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
             float cone = clamp(dot(l, lights.items[light].to_light) * lights.items[light].cone_scale +
                                    lights.items[light].cone_offset, 0.0, 1.0);
             radiance += attenuation(lights.items[light], distance2) * cone * cone *
+                        lit_through(world, n, l, sqrt(distance2)) *
                         lights.items[light].intensity * reflect_light(surface, n, v, l);
         }
     }

@@ -11,14 +11,14 @@
 #include "volume/medium.glsl"
 
 #ifdef SURFACES
-layout(scalar, binding = 4) readonly buffer Ranges { vec2 cells[]; } ranges; // least, greatest
+layout(scalar, binding = MEDIUM_BINDING + 4) readonly buffer Ranges { vec2 cells[]; } ranges; // least, greatest
 /// Least and greatest texel value that the field takes in a cell.
 vec2 cell_range(uint cell) { return ranges.cells[cell]; }
 #endif
 #ifdef GRID
 // Greatest opacity in a cell; of an empty one, minus how many cells around it are empty as well, along
 // each axis and diagonally.
-layout(scalar, binding = 5) readonly buffer Majorants { float cells[]; } majorants;
+layout(scalar, binding = MEDIUM_BINDING + 5) readonly buffer Majorants { float cells[]; } majorants;
 #endif
 
 struct CellWalk {

@@ -6,6 +6,7 @@
 // that nothing fills are skipped. Ends where the box does, at an opaque surface, or at opacity
 // 1 - 1/512. A ray that uses up its loop budget is kept and goes on in the next dispatch.
 //   DEPTH_IMAGE  the first surface comes from surface_depth, for rays through pixel centres
+//   MESHES       ends at meshes as well, and writes the change of their picture: volume/meshes.glsl
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -20,6 +21,9 @@
 #include "volume/shade_surface.glsl"
 #endif
 #include "volume/cache_lookup.glsl"
+#ifdef MESHES
+#include "volume/meshes.glsl"
+#endif
 #include "volume/compose.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -165,6 +169,9 @@ bool shade(inout Composition c, Ray ray, SurfaceHit hit, inout Random random, in
         seen = Visibility(c.seen, c.seen_t, c.cell, c.stage == STAGE_SHADE_MEDIUM);
     }
     vec3 light = reflected_light(hit, view);
+#ifdef MESHES
+    light *= sun_reaches(ray.origin + hit.t * ray.direction);
+#endif
     bool lit = any(greaterThan(light, vec3(0.0)));
     if (lit && !advance_visibility(seen, shadow_origin(hit, ray.origin + hit.t * ray.direction),
                    random, budget)) {
@@ -230,11 +237,20 @@ void main() {
 #ifdef DEPTH_IMAGE
     place = vec2(0.5);
 #endif
+#ifdef MESHES
+    place = mesh_ray_place(samples);
+#endif
     Ray ray;
     camera_ray(vec2(pixel) + place, ray.origin, ray.direction);
     ray.unit_origin = unit_from_world(ray.origin);
     ray.unit_direction = unit_from_world_direction(ray.direction);
     bool inside = clip_ray(ray.origin, ray.direction, ray.near, ray.far, ray.entry_normal);
+    vec3 behind = environment_radiance(ray.direction);
+#ifdef MESHES
+    ray.far = min(ray.far, mesh_ray_end(pixel, samples));
+    inside = inside && ray.near < ray.far;
+    behind = vec3(0.0);
+#endif
 
     Composition c = Composition(vec3(0.0), 1.0, ray.near, ray.near, push.jitter != 0u ? xi.z : 0.5,
         pack_cell(walk_cells(ray.unit_origin, ray.unit_direction, ray.near)), random.set,
@@ -245,10 +261,13 @@ void main() {
     uint budget = push.iterations;
     bool done = !inside || compose(c, ray, pixel, random, budget);
 
-    vec4 so_far = vec4(c.radiance + c.transmittance * environment_radiance(ray.direction),
+    vec4 so_far = vec4(c.radiance + c.transmittance * behind,
         1.0 - c.transmittance);
     // What an opaque ray did not reach would look like what it has met.
     if (c.transmittance < kOpaque) so_far = vec4(c.radiance / (1.0 - c.transmittance), 1.0);
+#ifdef MESHES
+    so_far -= so_far.a * mesh_ray_radiance(pixel, samples);
+#endif
     vec4 sum = imageLoad(compose_sum, pixel);
     if (done) {
         sum += so_far;

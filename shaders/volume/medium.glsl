@@ -11,14 +11,18 @@
 
 #include "shared/volume.h"
 
-layout(scalar, binding = 0) uniform Frame { VolumeFrame data; } frame;
+#ifndef MEDIUM_BINDING // kernels of surfaces have a frame of their own, and bindings before these
+#define MEDIUM_BINDING 0
+#define medium_frame frame
+#endif
+layout(scalar, binding = MEDIUM_BINDING) uniform MediumFrame { VolumeFrame data; } medium_frame;
 // Read once: a driver may load again, for each lane, what a loop reads. Of arrays, what has a constant
 // index.
-VolumeFrame constants = frame.data;
-layout(binding = 1) uniform sampler3D volume; // linear, clamped
-layout(scalar, binding = 2) readonly buffer Transfer { vec4 entries[]; } transfer; // colour, opacity
+VolumeFrame constants = medium_frame.data;
+layout(binding = MEDIUM_BINDING + 1) uniform sampler3D volume; // linear, clamped
+layout(scalar, binding = MEDIUM_BINDING + 2) readonly buffer Transfer { vec4 entries[]; } transfer; // colour, opacity
 #ifdef EMISSION
-layout(scalar, binding = 3) readonly buffer Emission { vec3 entries[]; } emission; // radiance
+layout(scalar, binding = MEDIUM_BINDING + 3) readonly buffer Emission { vec3 entries[]; } emission; // radiance
 #endif
 
 const float kInfinity = 1e30;
@@ -91,7 +95,7 @@ bool clip_ray(vec3 origin, vec3 direction, out float near, out float far, out ve
     vec3 away = -sign(inverse[axis]) * constants.unit_from_world[axis].xyz; // the rows grow inwards
     entry_normal = near > 0.0 ? normalize(away) : vec3(0.0);
     for (uint i = 0u; i < constants.clip_count; ++i) {
-        vec4 plane = frame.data.clip_planes[i];
+        vec4 plane = medium_frame.data.clip_planes[i];
         float height = dot(plane.xyz, origin) + plane.w, slope = dot(plane.xyz, direction);
         if (slope == 0.0) {
             if (height < 0.0) return false;

@@ -8,6 +8,7 @@
 //               scattering, surfaces are black
 //   GATHER      as NONCACHING, but in-scattering at the second collision is read from the cache
 //   CELLS       mean radiance that arrives at a point; surfaces are black
+// With MESHES, camera rays end on meshes and background, with 0: these have a picture of their own.
 // advance() is one iteration of one flat loop over the stages of all samples:
 //   Path path = begin_camera_path(...);  Tracker tracker = resume(path);
 //   while (path.stage != PATH_ENDED && budget > 0u) advance(path, tracker, budget);
@@ -28,6 +29,9 @@
 #endif
 #ifdef GATHER
 #include "volume/cache_lookup.glsl"
+#endif
+#ifdef MESHES
+#include "volume/meshes.glsl"
 #endif
 
 const float kRouletteThroughput = 0.25; // paths below it live on by chance
@@ -134,8 +138,13 @@ void depart(inout Path path) {
 #ifdef CELLS
     if (path.bounces == 1u) g = 0.0;
 #else
-    if (path.stage == PATH_CAMERA)
-        camera_ray(path.origin.xy + mix(vec2(0.5), xi.xy, path.origin.z), path.origin, path.direction);
+    if (path.stage == PATH_CAMERA) {
+        vec2 place = mix(vec2(0.5), xi.xy, path.origin.z);
+#ifdef MESHES
+        place = mesh_ray_place(path.random.z);
+#endif
+        camera_ray(path.origin.xy + place, path.origin, path.direction);
+    }
 #endif
     if (path.stage == PATH_SCATTER) {
         vec3 next = sample_phase(g, path.direction, xi.xy);
@@ -153,6 +162,9 @@ void depart(inout Path path) {
 void leave(inout Path path, vec3 position, LightSample light, vec3 scattered, float pdf, uint next) {
     float weight = light.pdf > 0.0 ? light.pdf / (light.pdf + pdf) : 1.0;
     path.pending = scattered * light.radiance * weight;
+#ifdef MESHES
+    path.pending *= sun_reaches(position); // the only light that is sampled
+#endif
     path.to_light = light.direction;
     path.transmittance = 1.0;
     path.origin = position;
@@ -259,7 +271,16 @@ Path begin_cell_path(vec3 position, Random random) {
 bool set_out(inout Path path, inout Tracker tracker, vec3 direction) {
     float near, far;
     vec3 entry_normal;
-    if (!clip_ray(path.origin, direction, near, far, entry_normal)) near = far = 0.0;
+    bool inside = clip_ray(path.origin, direction, near, far, entry_normal);
+#if defined(MESHES) && !defined(CELLS)
+    if (path.bounces == 0u) { // from the camera: it is nowhere a shadow ray's
+        uint pixel = path.random.y;
+        float end = mesh_ray_end(ivec2(pixel % constants.size.x, pixel / constants.size.x), path.random.z);
+        far = min(far, end);
+        inside = inside && near < far;
+    }
+#endif
+    if (!inside) near = far = 0.0;
     bool begins = path.t < 0.0;
     if (begins) path.t = near;
     tracker.flight.origin = unit_from_world(path.origin);
@@ -350,7 +371,11 @@ void advance(inout Path path, inout Tracker tracker, inout uint budget) {
         vec3 position = path.origin + path.t * path.direction;
         meet_medium(path, position, medium_of(value), path.chance / chance);
     } else {
-        path.radiance += path.throughput * escaped_radiance(path.direction, path.pdf);
+        vec3 arriving = escaped_radiance(path.direction, path.pdf);
+#if defined(MESHES) && !defined(CELLS)
+        if (path.bounces == 0u) arriving = vec3(0.0); // meshes and background have their picture
+#endif
+        path.radiance += path.throughput * arriving;
         path.stage = PATH_ENDED;
     }
 }

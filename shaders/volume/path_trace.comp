@@ -2,6 +2,7 @@
 // reads the medium, the light and unfinished paths; adds each pixel's new samples to its sum, in
 // order, and stores the path that the budget of iterations leaves unfinished.
 //   sum += (radiance, 1 where the camera's ray met anything);  square += luminance^2
+// MESHES: less what is seen of them there: volume/meshes.glsl.
 // One of PATH, NONCACHING and GATHER says what a sample is: shaders/volume/path.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -53,8 +54,12 @@ void main() {
         if (path.stage == PATH_ENDED) {
             bool finite = !any(isnan(path.radiance)) && !any(isinf(path.radiance));
             vec3 radiance = finite ? path.radiance : vec3(0.0);
-            float light = luminance(radiance);
-            total += vec4(radiance, path.bounces > 0u ? 1.0 : 0.0);
+            vec4 value = vec4(radiance, path.bounces > 0u ? 1.0 : 0.0);
+#ifdef MESHES // what the medium has stopped is missing from their picture
+            value -= value.a * mesh_ray_radiance(ivec2(pixel), path.random.z);
+#endif
+            float light = luminance(value.rgb);
+            total += value;
             squares += light * light;
             bad += finite ? 0u : 1u;
             ++finished;

@@ -10,13 +10,6 @@
 
 #include "volume/tracking.glsl"
 
-/// World units from a hit to where the same crossing is not met again: a hundredth of a voxel.
-float beyond_hit() {
-    vec3 voxel = vec3(length(constants.world_from_unit[0]), length(constants.world_from_unit[1]),
-                     length(constants.world_from_unit[2])) / vec3(constants.dims);
-    return 0.01 * min(min(voxel.x, voxel.y), voxel.z);
-}
-
 /// Surfaces are shaded on the side that is seen.
 vec3 facing_normal(SurfaceHit hit, vec3 view) {
     return dot(hit.normal, view) < 0.0 ? -hit.normal : hit.normal;

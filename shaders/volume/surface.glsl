@@ -20,6 +20,13 @@ struct SurfaceHit {
     bool cut;     // the ray starts in the solid: the normal is that of the plane which cuts it
 };
 
+/// World units from a hit to where the same crossing is not met again: a hundredth of a voxel.
+float beyond_hit() {
+    vec3 voxel = vec3(length(constants.world_from_unit[0]), length(constants.world_from_unit[1]),
+                     length(constants.world_from_unit[2])) / vec3(constants.dims);
+    return 0.01 * min(min(voxel.x, voxel.y), voxel.z);
+}
+
 /// Unused ones are never reached.
 vec4 isovalues() {
     vec4 values = vec4(kInfinity);

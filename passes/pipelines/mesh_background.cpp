@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "passes/pipelines/mesh_background.hpp"
+
+#include "framework/core/error.hpp"
+#include "framework/gpu/device.hpp"
+#include "passes/surface/frame.hpp"
+#include "passes/volume/meshes.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace ockham {
+namespace {
+
+/// Those that add up samples: the medium changes their mean.
+AdaptiveAaParams checked(const AdaptiveAaParams& params) {
+    AdaptiveAaParams p = settled(params);
+    if (filters_picture(p.method) || p.method == AaMethod::sraa || p.method == AaMethod::msaa) {
+        fail_input("--method: with a medium, pictures are means of samples; use none, uniform, "
+                   "cluster, ssaa or adaptive");
+    }
+    if (needs_counts(p) && p.resolve != Resolve::stratified)
+        fail_input("--resolve prefix: with a medium, samples are shared out among surfaces; use "
+                   "stratified");
+    if (needs_counts(p) && p.dispatch != Dispatch::buckets && p.dispatch != Dispatch::sort)
+        fail_input("--dispatch: with a medium, pixels come in lists; use buckets or sort");
+    if (p.gbuffer == GbufferLayout::visibility || p.tile.x > 0)
+        fail_input("--gbuffer, --tile: with a medium, samples are packed and the picture is whole; "
+                   "make it smaller, or --m");
+    p.gbuffer = GbufferLayout::packed;
+    p.history = false; // views are rendered once, and not one after the other
+    return p;
+}
+
+} // namespace
+
+MeshBackground::MeshBackground(
+    gpu::Device& device, const LitScene& lit, const AdaptiveAaParams& params)
+    : lit_(lit), params_(checked(params)), max_extent_(device.limits().attachment_extent),
+      frame_buffer_(device, gpu::BufferInfo{.bytes = sizeof(shader::FrameData),
+                                .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                .name = "mesh_frame",
+                                .memory = gpu::MemoryUse::upload}) {}
+
+void MeshBackground::show(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+    params_.width = width;
+    params_.height = height;
+    shown_ = make_frame(lit_.scene(), lit_.gpu().bounds(), camera, static_cast<int>(width),
+        static_cast<int>(height), static_cast<int>(params_.m), params_.order,
+        LitScene::kShadowMapSize);
+    std::memcpy(frame_buffer_.mapped().data(), &shown_, sizeof(shown_));
+}
+
+void MeshBackground::describe(shader::VolumeFrame& frame) const {
+    frame.sun_projection = shown_.sun_projection;
+    frame.window = shown_.m;
+    std::copy(std::begin(shown_.order), std::end(shown_.order), std::begin(frame.sample_order));
+}
+
+MeshInputs MeshBackground::declare(Graph& graph, const MediumInputs& medium, Condition new_view) {
+    scene_ = lit_.gpu().import(graph);
+    frame_ = graph.import_buffer("mesh_frame", {sizeof(shader::FrameData)}, {});
+    sun_map_ = {};
+    if (const gpu::Image* map = lit_.shadow_map()) {
+        sun_map_ = graph.import_image("shadow_map",
+            {.format = map->info().format,
+                .width = map->info().width,
+                .height = map->info().height},
+            state_of(Access::sampled, Stage::compute));
+    }
+    const ShadingInputs in{.scene = {.scene = &lit_.gpu(), .handles = scene_, .frame = frame_},
+        .gbuffer = {},
+        .shadow_map = sun_map_,
+        .medium = medium};
+    const GuardScope guard = graph.when(new_view);
+    AdaptiveAaParams part = params_;
+    part.export_counts = false; // what only this view writes cannot be exported, only kept
+    const AdaptiveAaOutputs out = add_adaptive_aa(graph, in, part, max_extent_);
+    sample_count_ = {};
+    if (params_.export_counts && out.sample_count) {
+        sample_count_ = add_kept(graph, out.sample_count, "sample_counts");
+        graph.export_resource(sample_count_, "statistics of the sample counts");
+    }
+    ShadingInputs shaded = in;
+    shaded.gbuffer = out.gbuffer;
+    const ShadingParams shading{.width = params_.width,
+        .height = params_.height,
+        .m = params_.m,
+        .anisotropy = params_.anisotropy};
+    MeshInputs meshes{.ends = add_mesh_ends(graph, frame_, out.gbuffer, out.labels, shading),
+        .radiance = {},
+        .picture = add_kept(graph, out.radiance, "meshes"),
+        .sun_map = sun_map_};
+    meshes.radiance = out.labels
+                          ? add_mesh_radiance(graph, shaded, out.labels, out.radiance, shading)
+                          : meshes.picture;
+    return meshes;
+}
+
+void MeshBackground::bind(Executor& executor) const {
+    lit_.gpu().bind(executor, scene_);
+    executor.bind(frame_, frame_buffer_);
+    if (sun_map_) executor.bind(sun_map_, *lit_.shadow_map());
+}
+
+} // namespace ockham

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The meshes of a picture that has a medium in it, as part of the medium's graph: adaptive
+// supersampling of surfaces that are lit through the medium, once for each view, and where the
+// camera's rays end. No picture of its own: volume_gi.hpp declares, executes and adds the medium.
+#pragma once
+
+#include "passes/pipelines/aa_graph.hpp"
+#include "passes/pipelines/lit_scene.hpp"
+
+namespace ockham {
+
+class MeshBackground {
+public:
+    /// `device` and `scene` must outlive it. Throws Error(input) for parameters out of range, and
+    /// for methods whose pictures are no means of samples.
+    MeshBackground(gpu::Device& device, const LitScene& scene, const AdaptiveAaParams& params);
+
+    /// What later executions show, and its size in pixels.
+    void show(const Camera& camera, std::uint32_t width, std::uint32_t height);
+    /// What kernels on volumes need to know of it.
+    void describe(shader::VolumeFrame& frame) const;
+
+    /// Adds the passes, which run where `new_view` holds. `medium` without meshes.
+    MeshInputs declare(Graph& graph, const MediumInputs& medium, Condition new_view);
+    void bind(Executor& executor) const;
+
+    /// k of the last declare(), kept between executions, r8ui; empty: every pixel has as many.
+    ImageHandle sample_count() const { return sample_count_; }
+    const AdaptiveAaParams& params() const { return params_; }
+
+private:
+    const LitScene& lit_;
+    AdaptiveAaParams params_;
+    std::uint32_t max_extent_;
+    shader::FrameData shown_{};
+    gpu::Buffer frame_buffer_;
+    SceneHandles scene_;
+    BufferHandle frame_;
+    ImageHandle sun_map_, sample_count_;
+};
+
+} // namespace ockham

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes that stand in the medium. A picture with them has rays through the samples of the meshes'
+// G-buffer, one after the other in their order, and is by how much the medium changes that of the
+// meshes alone:
+//   L - L_mesh = L_medium - (1 - T) L_mesh
+//   reads mesh_ends, mesh_radiance (not CELLS): where camera rays meet meshes, and what they see there
+//   reads sun_map: how far the sun reaches
+// What scatters goes through meshes: they end camera rays and stop the sun. Include after
+// volume/medium.glsl.
+#ifndef OCKHAM_VOLUME_MESHES_GLSL
+#define OCKHAM_VOLUME_MESHES_GLSL
+
+#include "include/sun_map.glsl"
+#include "volume/meshes.h"
+
+layout(constant_id = SPEC_SUN_MAP) const bool kSunMap = true; // else another image stands in for it
+
+layout(binding = 16) uniform sampler2D sun_map;
+
+#ifndef CELLS
+layout(binding = 15) uniform usampler2D mesh_ends; // shaders/volume/mesh_ends.comp
+layout(binding = 17) uniform sampler2DArray mesh_radiance;
+
+/// Place in the pixel of its `index`-th ray.
+vec2 mesh_ray_place(uint index) {
+    uint m = constants.window, at = medium_frame.data.sample_order[index % (m * m)];
+    return (vec2(at % m, at / m) + 0.5) / float(m);
+}
+uint mesh_end(ivec2 pixel, uint index) {
+    uint m = constants.window, rank = index % (m * m);
+    return texelFetch(mesh_ends, pixel * int(m) + ivec2(rank % m, rank / m), 0).x;
+}
+/// Where that ray ends, world units; kInfinity: it meets no mesh.
+float mesh_ray_end(ivec2 pixel, uint index) { return uintBitsToFloat(mesh_end(pixel, index) & ~3u); }
+/// What it sees there, as if there were no medium: radiance, and 0 for background, else 1.
+vec4 mesh_ray_radiance(ivec2 pixel, uint index) {
+    return texelFetch(mesh_radiance, ivec3(pixel, mesh_end(pixel, index) & 3u), 0);
+}
+#endif
+
+/// Share of the sun that meshes let through to a point.
+float sun_reaches(vec3 world) {
+    if (!kSunMap) return 1.0;
+    vec3 p = (constants.sun_projection * vec4(world, 1.0)).xyz;
+    // The map holds all meshes: beside it none stands in the way, behind it all do.
+    bool beside = any(greaterThan(abs(p.xy), vec2(1.0)));
+    float share = sun_map_share(sun_map, vec3(p.xy, max(p.z, 0.0)));
+    return beside ? 1.0 : share;
+}
+
+#endif

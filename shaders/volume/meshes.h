@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parameters of the kernels that bring meshes and a medium together.
+#ifndef OCKHAM_SHADERS_VOLUME_MESHES_H
+#define OCKHAM_SHADERS_VOLUME_MESHES_H
+
+#include "shared/types.h"
+
+OCKHAM_SHARED_BEGIN
+
+// Specialisation of volume/meshes.glsl and volume/transmittance.glsl; numbers apart from those of
+// include/random.h, surface/shade.h and surface/gbuffer.h.
+#define SPEC_SUN_MAP 32         // bool: the sun casts shadows
+#define SPEC_MEDIUM_GRID 33     // bool: there are majorants, not one extinction everywhere
+#define SPEC_MEDIUM_SURFACES 34 // bool: there are isosurfaces
+
+OCKHAM_SHARED_END
+
+#endif
