@@ -66,7 +66,8 @@ void draw_samples(const SampleGrid& grid, const Look& look) {
                 corner.x + cell * static_cast<float>(x), corner.y + cell * static_cast<float>(y)};
             const ImVec2 b{a.x + cell - 2, a.y + cell - 2};
             list.AddRectFilled(a, b, shown(grid.radiance[index], look));
-            const bool taken = grid.ranks[index] < grid.count;
+            // Where surfaces share k, all that is known here is that the first is among them.
+            const bool taken = grid.ranks[index] < (grid.by_rank ? grid.count : 1u);
             if (taken) list.AddRect(a, b, kAccent, 0, 0, 2);
             const std::string rank = fmt::format("{}", grid.ranks[index] + 1);
             list.AddText({a.x + 4, a.y + 2}, IM_COL32(0, 0, 0, 160), rank.c_str());
@@ -74,8 +75,8 @@ void draw_samples(const SampleGrid& grid, const Look& look) {
             const bool hovered = mouse.x >= a.x && mouse.x < b.x && mouse.y >= a.y && mouse.y < b.y;
             const glm::vec3 v = grid.radiance[index];
             if (hovered)
-                tooltip(fmt::format("sample {} of {}, {}\nR {:.5g}\nG {:.5g}\nB {:.5g}",
-                    grid.ranks[index] + 1, m * m, taken ? "shaded" : "not shaded", v.x, v.y, v.z));
+                tooltip(fmt::format("sample {} of {}{}\nR {:.5g}\nG {:.5g}\nB {:.5g}",
+                    grid.ranks[index] + 1, m * m, taken ? ", shaded" : "", v.x, v.y, v.z));
         }
     }
     ImGui::Dummy({cell * static_cast<float>(m), cell * static_cast<float>(m)});

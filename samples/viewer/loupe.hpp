@@ -17,7 +17,8 @@ struct SampleGrid {
     std::uint32_t m = 1;
     std::vector<glm::vec3> radiance;  ///< linear
     std::vector<std::uint32_t> ranks; ///< in the order in which they are taken, from 0
-    std::uint32_t count = 1;          ///< k: those of lower ranks are shaded
+    std::uint32_t count = 1;          ///< k: so many are shaded
+    bool by_rank = true;              ///< those of lower ranks; else, surface by surface
 };
 
 /// `pixel` of the canvas, with those around it. Coordinates beyond its borders are black.

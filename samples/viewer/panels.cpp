@@ -389,8 +389,8 @@ void Viewer::draw_loupe_window() {
     show_value("A", picture_);
     if (reference_) show_value("B", *reference_);
     if (samples_) {
-        ImGui::TextDisabled(
-            "samples by rank; %u of %u shaded", samples_->count, samples_->m * samples_->m);
+        ImGui::TextDisabled("%u of %u samples shaded%s", samples_->count, samples_->m * samples_->m,
+            samples_->by_rank ? "" : ", by surface");
         draw_samples(*samples_, look_);
     }
     if (ImGui::SmallButton("close")) loupe_.reset();

@@ -247,6 +247,7 @@ std::optional<SampleGrid> SurfaceTechnique::samples(glm::ivec2 pixel) {
     if (shown_->outputs().sample_count && needs_counts(all)) {
         const Image counts = shown_->read(shown_->outputs().sample_count);
         grid.count = static_cast<std::uint32_t>(counts.at(pixel.x, pixel.y, 0));
+        grid.by_rank = all.resolve == Resolve::prefix || grid.count == m * m;
     } else if (all.method == AaMethod::uniform || all.method == AaMethod::ssaa) {
         grid.count = all.k;
     }

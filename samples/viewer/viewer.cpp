@@ -2,11 +2,13 @@
 #include "samples/viewer/viewer.hpp"
 
 #include "framework/core/error.hpp"
+#include "framework/core/file.hpp"
 #include "framework/core/log.hpp"
 #include "framework/io/image_file.hpp"
 #include "samples/viewer/widgets.hpp"
 
 #include <imgui.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -70,6 +72,23 @@ void Viewer::attempt(const std::function<void()>& action) {
     }
 }
 
+/// A JSON file that is a value of a parameter: a transfer function or a rig.
+bool Viewer::takes(const std::string& file) {
+    const nlohmann::json json = nlohmann::json::parse(read_text(file), nullptr, false);
+    if (subject_->kind == Kind::volume && json.contains("points")) {
+        subject_->volume.volume.transfer = file;
+        subject_->volume.volume.window.clear();
+        changed_parameters({"transfer"});
+        return true;
+    }
+    if (subject_->kind == Kind::surface && !json.contains("dims")) {
+        subject_->surface.scene.rig = file;
+        changed_parameters({"rig"});
+        return true;
+    }
+    return false; // raw voxels
+}
+
 void Viewer::take_dropped() {
     for (const std::string& file : window_.take_dropped()) {
         attempt([&] {
@@ -78,8 +97,9 @@ void Viewer::take_dropped() {
                 load_reference(file);
                 return;
             }
-            const Kind kind = kind_of(file);
-            auto next = std::make_unique<Subject>(kind);
+            if (extension == ".json" && takes(file)) return;
+            auto next = std::make_unique<Subject>(kind_of(file));
+            next->common = subject_->common;
             next->set_source(file);
             // Two scenes seldom fit the memory that one takes.
             rival_.reset();

@@ -55,6 +55,7 @@ private:
 
     void open(std::unique_ptr<Subject> subject);
     void take_dropped();
+    bool takes(const std::string& file);
     void load_reference(const std::string& file);
     void restart_rival();
     bool render_rival();
