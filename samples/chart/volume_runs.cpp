@@ -195,7 +195,8 @@ const VolumeReference& VolumeReferences::of(const VolumeScene& scene, VolumeMode
         source.view.seed = kReferenceSeed + half;
         VolumeGi gi(context_.device(), source.volume, source.transfer, source.environment,
             source.view, scene.view(), params);
-        for (int step = 0; step < steps && !interrupted(); ++step) gi.execute();
+        gi.execute(); // there is a picture, interrupted or not
+        for (int step = 1; step < steps && !interrupted(); ++step) gi.execute();
         gi.finish();
         halves[half] = gi.picture();
         halves[half].metadata["command"] = fmt::format(
@@ -256,11 +257,12 @@ std::map<std::string, Picture> VolumeRun::pictures() {
 
 double converge(VolumeGi& gi, int most, double seconds) {
     double gpu = 0;
-    for (int i = 0; i < most && gpu < seconds && !interrupted(); ++i) {
+    int executions = 0;
+    do {
         gi.execute();
         gpu += gpu_seconds(gi.executor());
-        if (gi.statistics().cache_converged) break;
-    }
+    } while (++executions < most && gpu < seconds && !interrupted() &&
+             !gi.statistics().cache_converged);
     return gpu;
 }
 
