@@ -114,7 +114,7 @@ TEST_F(ViewerProgram, SurvivesAPersonAndKeepsTheSession) {
         run("builtin:plane --m 2 --width 600 --height 400 --validation sync > log & "
             "V=$!; export DISPLAY=" +
                 screen.name +
-                "; W=$(xdotool search --sync --onlyvisible --name 'Ockham viewer')"
+                "; W=$(timeout 60 xdotool search --sync --onlyvisible --name 'Ockham viewer')"
                 "; P=$(xdotool getwindowpid $W); sleep 1"
                 "; xdotool mousemove --window $W 60 60 mousedown 1"
                 "; for i in 1 2 3 4 5 6"
@@ -124,7 +124,7 @@ TEST_F(ViewerProgram, SurvivesAPersonAndKeepsTheSession) {
                 "; xdotool windowunmap $W; sleep 0.3; xdotool windowmap $W"
                 "; sleep 0.3; xdotool key --window $W h; sleep 0.3"
                 "; xdotool windowsize $W 700 420; sleep 1; kill -INT $P; wait $V",
-            surroundings());
+            "timeout -s INT 120 " + surroundings());
     ASSERT_EQ(result.exit_code, 130) << result.text << read_text(folder / "log");
     const std::string session = "config/ockham/viewer.json";
     ASSERT_TRUE(std::filesystem::exists(folder / session)) << result.text;
