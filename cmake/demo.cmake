@@ -8,7 +8,7 @@ if(SETUP_ONLY)
   return()
 endif()
 
-set(samples hello_graph adaptive_aa aa_table compare volume_gi)
+set(samples hello_graph adaptive_aa aa_table compare volume_gi surface_volume)
 ockham_step(${CMAKE_COMMAND} --preset release)
 ockham_step(${CMAKE_COMMAND} --build --preset release --parallel ${cores} --target ${samples})
 
@@ -93,6 +93,12 @@ demo("The shells as fog, from three sides that share the light in a cache"
   RUN volume_gi builtin:shells --mode caching --gather off --cache-scale 4 --density-scale 20
     --width 320 --height 240 --steps 4 --camera "0.7,-1.9,0.8 0,0,0 30" --turntable 3
     -o shells_turn%d.png)
+
+demo("A cloud among meshes: each shadows the other, in one graph"
+  WRITES atrium_cloud.png
+  RUN surface_volume builtin:atrium builtin:cloud --lights 1 --place "-4.5,2.6,0.4 0,0,0 4"
+    --density-scale 4 --mode caching --gather off --cache-scale 4 --width 320 --height 240
+    -o atrium_cloud.png)
 
 say("\nLook in ${out}:")
 foreach(name IN LISTS written)
