@@ -168,8 +168,9 @@ TEST(GltfValidatorSuite, VerdictsEqualTheReports) {
     for (const auto& [name, reason] : kVerdictsThatDiffer) {
         EXPECT_TRUE(different.contains(name)) << name << " has the right verdict now: " << reason;
     }
-    std::printf("%d files, %d valid: by default %d refused, of them valid %d; --strict: %d false "
-                "rejects, %d false accepts; %.2f s\n",
+    std::printf("reliability: strict {\"files\": %d, \"valid\": %d, \"refused_by_default\": %d, "
+                "\"valid_refused_by_default\": %d, \"strict_false_rejects\": %d, "
+                "\"strict_false_accepts\": %d, \"wall_s\": %.2f}\n",
         files, valid, refused, valid_refused, false_rejects, false_accepts, seconds.count());
 }
 
