@@ -16,6 +16,8 @@ template <class... Fs>
 struct Overload : Fs... {
     using Fs::operator()...;
 };
+template <class... Fs> // compilers before P1816 need it said
+Overload(Fs...)->Overload<Fs...>;
 
 std::string number_text(double value) {
     if (std::isinf(value)) return value > 0 ? "inf" : "-inf";

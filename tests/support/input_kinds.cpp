@@ -12,10 +12,12 @@
 #include "framework/graph/explain/dump.hpp"
 #include "framework/graph/explain/plan_file.hpp"
 #include "framework/graph/graph.hpp"
+#include "framework/io/dicom_check.hpp"
 #include "framework/io/gltf.hpp"
 #include "framework/io/image_file.hpp"
 #include "framework/io/rig.hpp"
 #include "framework/io/volume_file.hpp"
+#include "framework/io/volume_payload.hpp"
 #include "framework/scene/iso_material.hpp"
 #include "framework/scene/transfer_function.hpp"
 #include "tests/support/volume_bytes.hpp"
@@ -274,6 +276,24 @@ void InputKind::write_beside(const fs::path& folder) const {
     for (const auto& [other, bytes] : beside) {
         std::ofstream(folder / other, std::ios::binary) << bytes;
     }
+}
+
+std::vector<InputKind> volume_check_kinds() {
+    const std::string raw = ramp<std::int16_t>(24, -5), zlib = gzip(raw, 15);
+    const auto payload = [](const fs::path& path) {
+        std::vector<std::string> notes;
+        check_references(path);
+        check_payload(path, {24, 48, "voxels"}, notes);
+    };
+    const auto dicom_walk = [](const fs::path& path) {
+        if (is_dicom(path)) check_dicom(path);
+    };
+    const Fields gz{{"encoding", "gzip"}},
+        compressed{{"CompressedData", "True"}, {"CompressedDataSize", std::to_string(zlib.size())}};
+    return {{"check_nrrd", "a.nrrd", {nrrd(), nrrd(gz, gzip(raw))}, {}, payload},
+        {"check_meta", "a.mha", {meta(), meta(compressed, zlib)}, {}, payload},
+        {"check_nifti", "a.nii", {nifti(), nifti(2, 1)}, {}, payload},
+        {"check_dicom", "a.dcm", {dicom({})}, {}, dicom_walk}};
 }
 
 const std::vector<InputKind>& input_kinds() {

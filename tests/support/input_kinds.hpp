@@ -31,5 +31,7 @@ inline void PrintTo(const InputKind& kind, std::ostream* out) { *out << kind.nam
 
 /// Of this build: volumes through ITK only where that was found.
 const std::vector<InputKind>& input_kinds();
+/// What is checked before a library reads volumes, without that library and its process.
+std::vector<InputKind> volume_check_kinds();
 
 } // namespace ockham::test
