@@ -93,7 +93,7 @@ MeshInputs MeshBackground::declare(Graph& graph, const MediumInputs& medium, Con
         .sun_map = sun_map_};
     meshes.radiance = out.labels
                           ? add_mesh_radiance(graph, shaded, out.labels, out.radiance, shading)
-                          : meshes.picture;
+                          : add_kept(graph, out.radiance, "mesh_radiance");
     return meshes;
 }
 

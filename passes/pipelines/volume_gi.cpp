@@ -163,7 +163,11 @@ Graph VolumeGi::declare() {
             fmt::format("--mode {}: every path finds its own light", name_of(params_.mode)));
     }
     declare_picture(graph);
-    if (meshes_) radiance_ = add_over_meshes(graph, medium_.meshes.picture, radiance_);
+    if (meshes_) {
+        const MeshRays rays{.progress = traces() ? paths_.progress : BufferHandle{},
+            .count = composed_ ? composed_->count : ImageHandle{}};
+        radiance_ = add_over_meshes(graph, medium_.meshes, radiance_, rays, meshes_->params().m);
+    }
     if (!params_.no_meshes.empty()) {
         for (const char* pass : {"gbuffer", "first_sample", "metrics", "buckets", "shade",
                  "resolve", "mesh_ends", "mesh_radiance", "over_meshes"})

@@ -4,6 +4,7 @@
 #include "framework/core/error.hpp"
 #include "framework/runtime/commands.hpp"
 #include "shaders/surface/shade.h"
+#include "shaders/volume/meshes.h"
 
 namespace ockham {
 namespace {
@@ -67,14 +68,26 @@ ImageHandle add_kept(Graph& graph, ImageHandle image, const std::string& name) {
     return out;
 }
 
-ImageHandle add_over_meshes(Graph& graph, ImageHandle meshes, ImageHandle change) {
-    const ImageDesc desc = graph.desc(meshes);
+ImageHandle add_over_meshes(Graph& graph, const MeshInputs& meshes, ImageHandle change,
+    const MeshRays& rays, std::uint32_t m) {
+    const ImageDesc desc = graph.desc(meshes.picture);
     PassBuilder pass = graph.add_compute_pass("over_meshes");
     pass.because("the picture: meshes, and what the medium hides of them and sends out");
-    pass.read("meshes", meshes).read("change", change);
+    pass.read("meshes", meshes.picture)
+        .read("change", change)
+        .sample("mesh_ends", meshes.ends)
+        .sample("mesh_radiance", meshes.radiance);
+    if (rays.count)
+        pass.read("compose_count", rays.count);
+    else
+        pass.read("progress", rays.progress);
     const ImageHandle out = pass.write("picture", graph.create_image("picture", desc));
-    pass.record([desc](Commands& commands) {
-        commands.dispatch_over({.shader = "volume/over_meshes.comp"}, {desc.width, desc.height, 1});
+    const char* shader =
+        rays.count ? "volume/over_meshes.comp:composed" : "volume/over_meshes.comp";
+    pass.record([desc, shader, m](Commands& commands) {
+        const shader::OverMeshesPush push{m};
+        commands.dispatch_over({.shader = shader, .specialization = {}, .push = as_push(push)},
+            {desc.width, desc.height, 1});
     });
     return out;
 }

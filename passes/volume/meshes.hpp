@@ -25,7 +25,14 @@ ImageHandle add_mesh_radiance(Graph& graph, const ShadingInputs& in, ImageHandle
 /// A copy of `image` for later executions, persistent; the pass is called "keep_" and that name.
 ImageHandle add_kept(Graph& graph, ImageHandle image, const std::string& name);
 
-/// The picture, rgba32f: that of the meshes and its change by the medium, both as large, rgba32f.
-ImageHandle add_over_meshes(Graph& graph, ImageHandle meshes, ImageHandle change);
+/// How many rays each pixel has had: one of the two.
+struct MeshRays {
+    BufferHandle progress; ///< PathTrace::progress
+    ImageHandle count;     ///< Composed::count
+};
+
+/// The picture, rgba32f: that of the meshes and its mean change by the medium, rgba32f, as large.
+ImageHandle add_over_meshes(Graph& graph, const MeshInputs& meshes, ImageHandle change,
+    const MeshRays& rays, std::uint32_t m);
 
 } // namespace ockham

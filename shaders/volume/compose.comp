@@ -266,7 +266,7 @@ void main() {
     // What an opaque ray did not reach would look like what it has met.
     if (c.transmittance < kOpaque) so_far = vec4(c.radiance / (1.0 - c.transmittance), 1.0);
 #ifdef MESHES
-    so_far -= so_far.a * mesh_ray_radiance(pixel, samples);
+    so_far.rgb -= so_far.a * mesh_ray_radiance(pixel, samples);
 #endif
     vec4 sum = imageLoad(compose_sum, pixel);
     if (done) {

@@ -32,9 +32,9 @@ uint mesh_end(ivec2 pixel, uint index) {
 }
 /// Where that ray ends, world units; kInfinity: it meets no mesh.
 float mesh_ray_end(ivec2 pixel, uint index) { return uintBitsToFloat(mesh_end(pixel, index) & ~3u); }
-/// What it sees there, as if there were no medium: radiance, and 0 for background, else 1.
-vec4 mesh_ray_radiance(ivec2 pixel, uint index) {
-    return texelFetch(mesh_radiance, ivec3(pixel, mesh_end(pixel, index) & 3u), 0);
+/// Radiance that it sees there, as if there were no medium.
+vec3 mesh_ray_radiance(ivec2 pixel, uint index) {
+    return texelFetch(mesh_radiance, ivec3(pixel, mesh_end(pixel, index) & 3u), 0).xyz;
 }
 #endif
 

@@ -7,6 +7,10 @@
 
 OCKHAM_SHARED_BEGIN
 
+struct OverMeshesPush {
+    uint window; ///< m
+};
+
 // Specialisation of volume/meshes.glsl and volume/transmittance.glsl; numbers apart from those of
 // include/random.h, surface/shade.h and surface/gbuffer.h.
 #define SPEC_SUN_MAP 32         // bool: the sun casts shadows

@@ -56,7 +56,7 @@ void main() {
             vec3 radiance = finite ? path.radiance : vec3(0.0);
             vec4 value = vec4(radiance, path.bounces > 0u ? 1.0 : 0.0);
 #ifdef MESHES // what the medium has stopped is missing from their picture
-            value -= value.a * mesh_ray_radiance(ivec2(pixel), path.random.z);
+            value.rgb -= value.a * mesh_ray_radiance(ivec2(pixel), path.random.z);
 #endif
             float light = luminance(value.rgb);
             total += value;

@@ -283,6 +283,27 @@ TEST_F(SurfaceVolumeTest, ASlabShadowsAFloorExactly) {
     }
 }
 
+TEST_F(SurfaceVolumeTest, OpaqueFogHidesBrightEdgesAtAnyNumberOfSteps) {
+    // Glowing fog, so dense that nothing behind it is seen, before the edge of a very bright card.
+    TransferFunction glowing = rising();
+    for (TransferPoint& point : glowing.points) point.emission = glm::dvec3(0.5);
+    Scene scene;
+    scene.materials = {unlit_material(glm::vec3(100.0f))};
+    add(scene, rectangle({0.013f, -2, -1}, {4, 0.3f, 0}, {0, 4, 0}));
+    const LitScene lit(device(), scene);
+    const Volume field = full();
+    const Image none;
+    for (const VolumeMode mode : {VolumeMode::path, VolumeMode::caching}) {
+        SurfaceVolume picture(device(), &lit, MediumSource{field, glowing, none, absorbing(60), {}},
+            along_z(0.5f), params(12, 12, mode));
+        for (int step = 1; step <= 5; ++step) {
+            const Image image = after(picture, 1);
+            for (const float value : image.plane(0))
+                ASSERT_NEAR(value, 0.5, 1e-3) << name_of(mode) << ", step " << step;
+        }
+    }
+}
+
 /// White cards at odd angles, some of them outside of the medium, in white light from everywhere.
 Scene furnace() {
     Scene scene;
