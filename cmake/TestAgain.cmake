@@ -26,6 +26,14 @@ set(OCKHAM_NOT_ON_SWIFTSHADER
   # It moves corners to sixteenths of a sample: what is drawn is not quite what triangles say.
   VisibilityTest.BothLayoutsSayTheSameOfEverySurface
   VisibilityTest.PlanesPredictTheDepthOfOtherSamples VisibilityTest.PicturesOfBothLayoutsAreAlike
+  # Likewise: its floor is not where a lamp's slant is computed for.
+  SurfaceVolumeTest.ASlabShadowsAFloorExactly
+  # Kernels that hold surfaces and a medium take it some 20 s each; identities and closed forms remain.
+  SurfaceVolumeTest.WhereTheMediumIsNotInTheWayMeshesKeepTheirBits SurfaceVolumeTest.A*Furnace*
+  SurfaceVolumeTest.OpaqueFogHidesBrightEdgesAtAnyNumberOfSteps
+  SurfaceVolumeTest.MeshesKeepTheSunOutOfTheMedium SurfaceVolumeTest.AMovedCameraEqualsAFreshPicture
+  SurfaceVolumeTest.IsosurfacesHideMeshesBehindThemAndNoOthers
+  SurfaceVolumeProgram.renders_both_into_one_picture
   # An access out of bounds ends the process before the layer reads what was found.
   GpuAssistedTest.AccessBeyondABufferIsReported)
 
