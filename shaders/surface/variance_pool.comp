@@ -24,5 +24,7 @@ void main() {
     for (int y = -1; y <= 1; ++y) {
         for (int x = -1; x <= 1; ++x) sum += texelFetch(lone_variance, clamp(pixel + ivec2(x, y), ivec2(0), last), 0).x;
     }
-    imageStore(variance, pixel, vec4(pow(own.x * own.x * sum / 9.0, 1.0 / 3.0), own.y, 0.0, 0.0));
+    // Drivers may compute pow() by logarithms, of which 0 has none.
+    float pooled = own.x > 0.0 ? pow(own.x * own.x * sum / 9.0, 1.0 / 3.0) : 0.0;
+    imageStore(variance, pixel, vec4(pooled, own.y, 0.0, 0.0));
 }
