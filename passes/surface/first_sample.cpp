@@ -18,12 +18,7 @@ ImageHandle add_first_sample(Graph& graph, const ShadingInputs& in, const Shadin
     if (in.means) pass.sample("surface_means", in.means);
     const ImageHandle out = pass.write("first_sample", image);
     pass.record([in, params](Commands& commands) {
-        const shader::ShadePush push{.count = 1,
-            .first = 0,
-            .last = 1,
-            .stall = params.stall,
-            .anisotropy = static_cast<float>(params.anisotropy),
-            .loop_bound = 1};
+        const shader::ShadePush push = one_sample_push(params);
         const std::string shader =
             shading_variant("surface/first_sample.comp", in.means ? "stratified" : "", in);
         commands.dispatch_over({.shader = shader,

@@ -18,6 +18,15 @@ bool needs_data_textures(const ShadingInputs& in) {
 
 } // namespace
 
+shader::ShadePush one_sample_push(const ShadingParams& params) {
+    return {.count = 1,
+        .first = 0,
+        .last = 1,
+        .stall = params.stall,
+        .anisotropy = static_cast<float>(params.anisotropy),
+        .loop_bound = 1};
+}
+
 void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage) {
     const SceneFacts& facts = in.scene.scene->facts();
     const bool packed = in.gbuffer.layout == GbufferLayout::packed;

@@ -9,6 +9,10 @@
 #include <optional>
 #include <string>
 
+namespace ockham::shader {
+struct ShadePush;
+} // namespace ockham::shader
+
 namespace ockham {
 
 struct ShadingInputs {
@@ -28,6 +32,9 @@ struct ShadingParams {
     std::uint32_t stall = 0;       ///< dependent FMAs per shaded sample
     std::uint32_t anisotropy = 16; ///< most texture taps per lookup, 1 ... 16
 };
+
+/// Pushed to kernels that shade one sample at a time.
+shader::ShadePush one_sample_push(const ShadingParams& params);
 
 /// Declares everything that shaders/surface/shade_sample.glsl reads.
 void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage = Stage::compute);

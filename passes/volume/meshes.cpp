@@ -44,12 +44,7 @@ ImageHandle add_mesh_radiance(Graph& graph, const ShadingInputs& in, ImageHandle
     pass.read("meshes", picture).sample("clusters", labels);
     const ImageHandle out = pass.write("mesh_radiance", image);
     pass.record([in, params](Commands& commands) {
-        const shader::ShadePush push{.count = 1,
-            .first = 0,
-            .last = 1,
-            .stall = params.stall,
-            .anisotropy = static_cast<float>(params.anisotropy),
-            .loop_bound = 1};
+        const shader::ShadePush push = one_sample_push(params);
         const std::string shader = shading_variant("surface/mesh_radiance.comp", "", in);
         commands.dispatch_over(
             {.shader = shader, .specialization = shading_specialization(in), .push = as_push(push)},
