@@ -19,7 +19,7 @@ set(OCKHAM_PACKAGES
   mesa-vulkan-drivers
   # the viewer, optional: window, widgets, a font
   libglfw3-dev libimgui-dev fonts-dejavu-core
-  # charts
-  gnuplot-nox
+  # charts, and metrics in ONNX files, optional
+  gnuplot-nox libopencv-dnn-dev
   # tests, those of the viewer in a virtual screen
   doxygen xdotool xvfb libbenchmark-dev libgtest-dev vulkan-validationlayers)

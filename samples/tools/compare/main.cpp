@@ -7,6 +7,8 @@
 #include "framework/core/log.hpp"
 #include "framework/image_error/image_error.hpp"
 #include "framework/io/image_file.hpp"
+#include "samples/metrics/network_metric.hpp"
+#include "samples/metrics/vmaf.hpp"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -15,6 +17,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +31,14 @@ struct Arguments {
     std::string error_map, flip_map, side_by_side, json, heat;
     float scale = 10;
     std::vector<float> range;
+    bool vmaf = false;
+    std::string ffmpeg, vmaf_model, onnx;
+};
+
+/// What other programs and networks say, by name; `key` is that of --json.
+struct Opinion {
+    std::string key, title, made_by;
+    double value = 0;
 };
 
 /// JSON has no infinity: equal pictures get 999.
@@ -62,7 +73,13 @@ void print(const Arguments& arguments, const Image& test, const ImageError& erro
     }
 }
 
-nlohmann::json to_json(const Arguments& arguments, const Image& test, const ImageError& error) {
+void print(const std::vector<Opinion>& opinions) {
+    for (const Opinion& opinion : opinions)
+        fmt::print("{:<10} {:<12.6g} {}\n", opinion.title, opinion.value, opinion.made_by);
+}
+
+nlohmann::json to_json(const Arguments& arguments, const Image& test, const ImageError& error,
+    const std::vector<Opinion>& opinions) {
     nlohmann::json json{{"test", arguments.test}, {"reference", arguments.reference},
         {"width", test.width()}, {"height", test.height()}, {"mse", error.mse},
         {"psnr", finite_psnr(error.psnr)}, {"max", error.max}, {"p99", error.p99},
@@ -70,6 +87,10 @@ nlohmann::json to_json(const Arguments& arguments, const Image& test, const Imag
         {"flip_max", error.flip.max}, {"relmse", error.relmse}, {"hdr", error.hdr},
         {"non_finite", error.non_finite}};
     if (error.hdr_flip) json["hdr_flip"] = error.hdr_flip->mean;
+    for (const Opinion& opinion : opinions) {
+        json[opinion.key] = opinion.value;
+        json[opinion.key + "_by"] = opinion.made_by;
+    }
     return json;
 }
 
@@ -152,10 +173,13 @@ void check_outputs(const Arguments& arguments) {
     if (arguments.reference.empty()) {
         if (arguments.heat.empty()) fail_input("a reference is missing: compare TEST REFERENCE");
         if (!arguments.error_map.empty() || !arguments.flip_map.empty() ||
-            !arguments.side_by_side.empty() || !arguments.json.empty()) {
+            !arguments.side_by_side.empty() || !arguments.json.empty() || arguments.vmaf ||
+            !arguments.onnx.empty()) {
             fail_input("only --heat works without a reference");
         }
     }
+    if (!arguments.vmaf && !(arguments.ffmpeg.empty() && arguments.vmaf_model.empty()))
+        fail_input("--ffmpeg and --vmaf-model are for --vmaf");
     if (!(arguments.scale > 0) || std::isinf(arguments.scale)) {
         fail_input("--scale: expected a number above 0, found {}", arguments.scale);
     }
@@ -167,11 +191,21 @@ void check_outputs(const Arguments& arguments) {
 
 void run(const Arguments& arguments) {
     check_outputs(arguments);
+    std::optional<Vmaf> vmaf;
+    std::optional<NetworkMetric> network;
+    if (arguments.vmaf) vmaf.emplace(arguments.ffmpeg, arguments.vmaf_model);
+    if (!arguments.onnx.empty()) network.emplace(arguments.onnx);
     const Image test = load_image(arguments.test);
     if (!arguments.reference.empty()) {
         const Image reference = load_image(arguments.reference);
         const ImageError error = image_error(test, reference);
         print(arguments, test, error);
+        std::vector<Opinion> opinions;
+        if (vmaf) opinions.push_back({"vmaf", "VMAF", vmaf->made_by(), (*vmaf)(test, reference)});
+        if (network)
+            opinions.push_back(
+                {"network", "network", network->name(), (*network)(test, reference)});
+        print(opinions);
         const std::vector<std::uint8_t> colors = error_colors(error, arguments.scale);
         if (!arguments.error_map.empty()) {
             save_png_srgb(arguments.error_map, test.width(), test.height(), colors);
@@ -184,7 +218,7 @@ void run(const Arguments& arguments) {
             save_side_by_side(arguments.side_by_side, test, reference, colors);
         }
         if (!arguments.json.empty()) {
-            write_text(arguments.json, to_json(arguments, test, error).dump(2) + "\n");
+            write_text(arguments.json, to_json(arguments, test, error, opinions).dump(2) + "\n");
         }
     }
     if (!arguments.heat.empty()) save_heat(arguments, test);
@@ -205,6 +239,12 @@ int main(int argc, char** argv) {
     app.add_option("--flip-map", arguments.flip_map, "PNG of LDR-FLIP, from 0 to 1");
     app.add_option("--side-by-side", arguments.side_by_side, "PNG of test, reference, error map");
     app.add_option("--json", arguments.json, "all metrics as JSON; an infinite PSNR is 999");
+    app.add_flag("--vmaf", arguments.vmaf, "VMAF too, by an FFmpeg that has libvmaf");
+    app.add_option("--ffmpeg", arguments.ffmpeg, "that FFmpeg [$OCKHAM_FFMPEG, else ffmpeg]");
+    app.add_option("--vmaf-model", arguments.vmaf_model,
+        "model of VMAF, .json or .pkl [$OCKHAM_VMAF_MODEL, else libvmaf's own]");
+    app.add_option("--onnx", arguments.onnx,
+        "ONNX file of a network that compares two pictures, such as LPIPS: its distance too");
     app.add_option("--heat", arguments.heat,
         "CHANNEL=FILE.png: a channel of the test picture in false colour; needs no reference");
     app.add_option("--range", arguments.range, "LOW,HIGH of --heat [smallest,largest value]")

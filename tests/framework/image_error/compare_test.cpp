@@ -130,6 +130,10 @@ TEST_F(Compare, BadInputEndsWithCode2AndNoFile) {
         {"test.exr --heat k=k.png --range 2,1", "--range"},
         {"test.exr --heat k=k.png --json m.json", "only --heat works without a reference"},
         {"test.exr reference.exr --unknown", "--unknown"},
+        {"test.exr reference.exr --json m.json --vmaf --ffmpeg none", "no program 'none'"},
+        {"test.exr reference.exr --json m.json --vmaf-model m.pkl", "are for --vmaf"},
+        {"test.exr reference.exr --json m.json --onnx none.onnx", "onnx"},
+        {"test.exr --heat k=k.png --vmaf", "only --heat works without a reference"},
     };
     for (const auto& [arguments, expected] : cases) {
         const Result result = run(arguments);
