@@ -4,20 +4,14 @@
 #include "framework/app/camera_path.hpp"
 #include "framework/app/cli.hpp"
 #include "framework/app/headless.hpp"
-#include "framework/app/scene_source.hpp"
-#include "framework/app/volume_source.hpp"
 #include "framework/core/error.hpp"
 #include "framework/core/log.hpp"
 #include "passes/pipelines/aa_options.hpp"
-#include "passes/pipelines/surface_volume.hpp"
 #include "passes/pipelines/volume_gi_options.hpp"
 #include "passes/volume/frame.hpp"
+#include "samples/surface_volume/world.hpp"
 
 #include <nlohmann/json.hpp>
-
-#include <algorithm>
-#include <cmath>
-#include <sstream>
 
 using namespace ockham;
 
@@ -25,9 +19,7 @@ namespace {
 
 struct Options {
     CommonOptions common;
-    std::vector<std::string> inputs;
-    std::string environment;
-    std::string place;
+    WorldOptions world;
     SceneOptions scene;
     VolumeOptions volume;
     AaOptions surfaces;
@@ -38,23 +30,7 @@ struct Options {
 };
 
 void declare(Params& params, Options& o) {
-    params
-        .add("input", &o.inputs,
-            "scenes and at most one volume, in any order; none: builtin:atrium builtin:cloud")
-        .positional()
-        .group("Scene");
-    params
-        .add("environment", &o.environment,
-            "\"r,g,b\": radiance of the background and, in the medium, from all around; default: "
-            "the scene's background and ambient light")
-        .group("Scene");
-    add_scene_flags(params, o.scene);
-    params
-        .add("place", &o.place,
-            "\"tx,ty,tz rx,ry,rz scale\": where the volume's centre is in the scene, degrees about "
-            "x, then y, then z, and its longest side; upright before")
-        .group("Volume");
-    add_volume_flags(params, o.volume);
+    add_world_options(params, o.world, o.scene, o.volume);
     add_aa_options(params, o.surfaces);
     add_volume_gi_options(params, o.medium);
     params.add("steps", &o.steps, "samples of the medium per pixel").range(1, 1 << 24).group("Run");
@@ -67,82 +43,6 @@ void declare(Params& params, Options& o) {
         .group("Picture");
     add_output_flags(params, o.common);
     add_run_flags(params, o.common);
-}
-
-/// Puts each of the inputs where it belongs.
-void sort_inputs(Options& o) {
-    if (o.inputs.empty()) o.inputs = {"builtin:atrium", "builtin:cloud"};
-    for (const std::string& input : o.inputs)
-        (names_scene(input) ? o.scene.scenes : o.volume.volume).push_back(input);
-    if (o.volume.volume.size() > 1) {
-        fail_input("found {} volumes ('{}', '{}' ...), expected one; scenes end in .gltf or .glb",
-            o.volume.volume.size(), o.volume.volume[0], o.volume.volume[1]);
-    }
-    if (!o.place.empty() && (o.scene.scenes.empty() || o.volume.volume.empty()))
-        fail_input("--place: a volume is placed among scenes; found no {}",
-            o.scene.scenes.empty() ? "scene" : "volume");
-}
-
-VolumePlacement parse_place(const std::string& text) {
-    if (text.empty()) return {};
-    std::istringstream words(text);
-    std::string translation, rotation, scale, more;
-    words >> translation >> rotation >> scale >> more;
-    const std::vector<float> t = parse_numbers(translation), r = parse_numbers(rotation),
-                             s = parse_numbers(scale);
-    const auto finite = [](const std::vector<float>& v) {
-        return std::ranges::all_of(v, [](float x) { return std::isfinite(x); });
-    };
-    if (t.size() != 3 || r.size() != 3 || s.size() != 1 || !more.empty() || !finite(t) ||
-        !finite(r) || !finite(s) || !(s[0] > 0)) {
-        fail_input(
-            "--place: found '{}', expected \"tx,ty,tz rx,ry,rz scale\", the scale above 0", text);
-    }
-    return {{t[0], t[1], t[2]}, {r[0], r[1], r[2]}, s[0]};
-}
-
-/// The sun of --light shines on meshes as well: in place of the first directional light.
-void set_sun(Scene& scene, const VolumeView& view) {
-    const Light sun{.name = "--light",
-        .type = LightType::directional,
-        .direction = glm::normalize(view.light_direction),
-        .intensity = view.light_irradiance,
-        .casts_shadow = true};
-    const auto first = std::ranges::find(scene.lights, LightType::directional, &Light::type);
-    if (first != scene.lights.end())
-        *first = sun;
-    else
-        scene.lights.insert(scene.lights.begin(), sun);
-}
-
-/// What is rendered.
-struct World {
-    std::optional<Scene> scene;
-    std::optional<VolumeSource> volume;
-    VolumePlacement placement;
-};
-
-World load_world(Options& o) {
-    sort_inputs(o);
-    World world{.scene = {}, .volume = {}, .placement = parse_place(o.place)};
-    if (!o.scene.scenes.empty()) {
-        o.scene.environment = o.environment;
-        world.scene = load_scenes(o.scene, o.common);
-    }
-    if (o.volume.volume.empty()) return world;
-    o.volume.environment = o.environment;
-    if (world.scene && o.environment.empty()) {
-        const glm::vec3 ambient = world.scene->ambient;
-        o.volume.environment = fmt::format("{},{},{}", ambient.x, ambient.y, ambient.z);
-    }
-    world.volume = load_volume_source(o.volume);
-    apply(o.medium, world.volume->view);
-    if (world.scene) {
-        VolumeView& view = world.volume->view;
-        if (!o.volume.light.empty()) set_sun(*world.scene, view);
-        view = lit_by(*world.scene, view, view.environment);
-    }
-    return world;
 }
 
 std::vector<Camera> cameras_of(const Options& o, const World& world) {
@@ -209,8 +109,7 @@ void print_summary(const FrameTimes& times, SurfaceVolume& picture, std::size_t 
         const VolumeStatistics s = picture.medium()->statistics();
         fmt::print("paths   {:9.3g}, {:.3g} lookups of the field\n", static_cast<double>(s.paths),
             static_cast<double>(s.steps));
-        if (s.relative_error)
-            fmt::print("noise   {:9.2g} of the mean\n", *s.relative_error);
+        if (s.relative_error) fmt::print("noise   {:9.2g} of the mean\n", *s.relative_error);
     }
     if (error) print_error(*error);
 }
@@ -238,7 +137,8 @@ int render(int argc, char** argv) {
         return *done;
     }
     HeadlessRun run(o.common, argc, argv);
-    World world = load_world(o);
+    World world = load_world(o.world, o.scene, o.volume, o.common);
+    if (world.volume) apply(o.medium, world.volume->view);
     const std::vector<Camera> cameras = cameras_of(o, world);
     check_numbered(o.common, cameras.size());
     if (cameras.size() > 1 && !o.common.reference.empty())

@@ -15,9 +15,10 @@ using namespace ockham::viewer;
 namespace {
 
 constexpr const char* kDescription =
-    "Shows a scene or a volume in a window. The flags are those of adaptive_aa or volume_gi, by "
-    "what "
-    "is shown; for a volume's, give one: viewer builtin:cloud --help";
+    "Shows a scene (.gltf, .glb), a volume (.nrrd, .nii, .vdb, ...) or both in a window: turn by "
+    "dragging, move by a right drag and the wheel; files can be dropped onto it. The flags are "
+    "those of adaptive_aa, volume_gi or surface_volume, by what is shown; for those of another, "
+    "name it: viewer builtin:cloud --help";
 
 /// A bare `viewer` goes on where the last session ended.
 std::vector<std::string> words_of(int argc, char** argv) {

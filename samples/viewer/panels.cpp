@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The viewer's widgets around the picture. What they change is taken up by viewer.cpp.
+// The viewer's panel beside the picture. What it changes is taken up by viewer.cpp.
 #include "framework/core/error.hpp"
 #include "framework/core/false_color.hpp"
 #include "framework/core/log.hpp"
@@ -15,16 +15,12 @@
 namespace ockham::viewer {
 namespace {
 
-constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                                    ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
-                                    ImGuiWindowFlags_NoSavedSettings;
-
-/// A choice among `names` or none; true where another was made.
+/// A choice among `names`, or "-": none; true where another was made.
 bool choose(const char* label, std::string& choice, const std::vector<std::string>& names) {
     bool changed = false;
     ImGui::SetNextItemWidth(-1);
-    if (!ImGui::BeginCombo(label, choice.empty() ? "none" : choice.c_str())) return false;
-    if (ImGui::Selectable("none", choice.empty())) choice.clear(), changed = true;
+    if (!ImGui::BeginCombo(label, choice.empty() ? "-" : choice.c_str())) return false;
+    if (ImGui::Selectable("-", choice.empty())) choice.clear(), changed = true;
     for (const std::string& name : names)
         if (ImGui::Selectable(name.c_str(), name == choice)) choice = name, changed = true;
     ImGui::EndCombo();
@@ -58,7 +54,7 @@ void Viewer::draw_panel() {
     const glm::ivec2 size = window_.size();
     ImGui::SetNextWindowPos({static_cast<float>(size.x - kPanelWidth), 0});
     ImGui::SetNextWindowSize({kPanelWidth, static_cast<float>(size.y)});
-    ImGui::Begin("panel", nullptr, kFixed);
+    begin_fixed("panel");
     const auto tab = [&](const char* name, void (Viewer::*draw)()) {
         if (!ImGui::BeginTabItem(name)) return;
         ImGui::BeginChild("content");
@@ -68,7 +64,7 @@ void Viewer::draw_panel() {
     };
     if (ImGui::BeginTabBar("tabs")) {
         tab("Parameters", &Viewer::draw_parameters);
-        if (subject_->kind == Kind::volume) tab("Volume", &Viewer::draw_volume);
+        if (subject_->kind != Kind::surface) tab("Volume", &Viewer::draw_volume);
         tab("View", &Viewer::draw_view);
         tab("Compare", &Viewer::draw_compare);
         tab("Graph", &Viewer::draw_graph);
@@ -214,12 +210,13 @@ void Viewer::draw_compare() {
 
 void Viewer::draw_volume() {
     auto& volume = dynamic_cast<VolumeTechnique&>(*subject_->technique);
-    std::string& iso = subject_->volume.volume.iso;
-    std::string& source = subject_->volume.volume.transfer;
+    VolumeOptions& options = subject_->options.volume.volume;
+    std::string& source = options.transfer;
     heading("Transfer function");
     TransferFunction transfer = volume.transfer();
     std::vector<double> isovalues;
-    for (const float value : parse_numbers(iso)) isovalues.push_back(static_cast<double>(value));
+    for (const float value : parse_numbers(options.iso))
+        isovalues.push_back(static_cast<double>(value));
     const TransferEdit edited = transfer_.draw(volume.histogram(), transfer, isovalues);
     if (edited.transfer) {
         touched_ = clock_.seconds();
@@ -233,15 +230,19 @@ void Viewer::draw_volume() {
         std::ranges::find(kPresets, source) != kPresets.end() && !subject_->drawn ? source : "";
     if (choose("##preset", preset, kPresets)) {
         source = preset; // none: from the histogram
-        subject_->volume.volume.window.clear();
+        options.window.clear();
         changed_parameters({"transfer"});
     }
     if (subject_->drawn && ImGui::Button("Save as transfer.json"))
         attempt([&] { save_transfer("transfer.json", *subject_->drawn); });
 
+    draw_isovalues(std::move(isovalues), edited.isovalues);
+    if (subject_->kind == Kind::both) draw_place();
+}
+
+void Viewer::draw_isovalues(std::vector<double> isovalues, bool changed) {
     heading("Isovalues");
-    bool changed = edited.isovalues;
-    const Histogram& h = volume.histogram();
+    const Histogram& h = dynamic_cast<VolumeTechnique&>(*subject_->technique).histogram();
     for (std::size_t i = 0; i < isovalues.size(); ++i) {
         ImGui::PushID(static_cast<int>(i));
         auto value = static_cast<float>(isovalues[i]);
@@ -264,10 +265,38 @@ void Viewer::draw_volume() {
     }
     if (!changed) return;
     std::ranges::sort(isovalues);
+    std::string& iso = subject_->options.volume.volume.iso;
     iso.clear();
     for (const double value : isovalues)
         iso += fmt::format("{}{:.6g}", iso.empty() ? "" : ",", value);
     changed_parameters({"iso"});
+}
+
+/// Where the volume is among the scenes.
+void Viewer::draw_place() {
+    heading("Place");
+    VolumePlacement place = dynamic_cast<SurfaceVolumeTechnique&>(*subject_->technique).placement();
+    const float pace = 0.002f * subject_->technique->stage().scale;
+    const auto row = [](const char* label) {
+        ImGui::AlignTextToFramePadding();
+        ImGui::TextUnformatted(label);
+        ImGui::SameLine(60);
+        ImGui::SetNextItemWidth(-1);
+    };
+    row("centre");
+    bool changed = ImGui::DragFloat3("##centre", &place.translation.x, pace, 0, 0, "%.3g");
+    row("turn");
+    changed =
+        ImGui::DragFloat3("##turn", &place.rotation_degrees.x, 1, -360, 360, "%.0f") || changed;
+    row("size");
+    changed = ImGui::DragFloat("##size", &place.scale, 0.01f * place.scale, 1e-4f, 1e6f, "%.4g",
+                  ImGuiSliderFlags_AlwaysClamp) ||
+              changed;
+    if (!changed) return;
+    const glm::vec3 t = place.translation, r = place.rotation_degrees;
+    subject_->options.world.place = fmt::format("{:.6g},{:.6g},{:.6g} {:.6g},{:.6g},{:.6g} {:.6g}",
+        t.x, t.y, t.z, r.x, r.y, r.z, place.scale);
+    changed_parameters({"place"});
 }
 
 void Viewer::draw_graph() {
@@ -320,102 +349,6 @@ void Viewer::draw_reasons() {
         ImGui::Unindent(10);
     }
     ImGui::PopTextWrapPos();
-}
-
-void Viewer::draw_status() {
-    if (clock_.seconds() - facts_time_ > 0.5 && !hasty_ && !picture_.empty()) {
-        facts_ = subject_->technique->facts();
-        facts_time_ = clock_.seconds();
-    }
-    const glm::ivec2 size = window_.size();
-    ImGui::SetNextWindowPos({0, static_cast<float>(size.y - kStatusHeight)});
-    ImGui::SetNextWindowSize({static_cast<float>(area_.x), kStatusHeight});
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {8, 8});
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {12, 6});
-    ImGui::Begin("status", nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
-    std::string text;
-    if (!picture_.empty())
-        text = fmt::format("{} x {}   {:.0f} ms", picture_.width(), picture_.height(), render_ms_);
-    for (const auto& [label, value] : facts_) {
-        if (label == "samples" || label == "steps" || label == "noise" || label == "cache")
-            text += fmt::format("   {} {}", label, value);
-    }
-    ImGui::TextUnformatted(text.c_str());
-    const char* state = frozen_ ? "frozen" : hasty_ ? "in haste" : "";
-    ImGui::SameLine(static_cast<float>(area_.x) - ImGui::CalcTextSize(state).x - 12);
-    ImGui::TextDisabled("%s", state);
-    ImGui::End();
-    ImGui::PopStyleVar(2);
-}
-
-/// Where A ends, and what is on either side.
-void Viewer::draw_wipe() {
-    if (!reference_ || picture_.empty()) return;
-    ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    const auto width = static_cast<float>(area_.x), height = static_cast<float>(area_.y);
-    const float x = flip_ ? 0 : std::round(look_.wipe * width);
-    if (x > 0 && x < width) list.AddLine({x, 0}, {x, height}, IM_COL32(240, 175, 70, 200));
-    const auto label = [&](float left, const std::string& text) {
-        const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-        list.AddRectFilled(
-            {left, height - 26}, {left + size.x + 12, height - 6}, IM_COL32(20, 21, 23, 190), 3);
-        list.AddText({left + 6, height - 24}, IM_COL32(225, 225, 228, 255), text.c_str());
-    };
-    const std::string a = subject_->kind == Kind::surface ? subject_->surface.method.method
-                                                          : subject_->volume.method.mode;
-    if (x > 40) label(8, "A  " + a);
-    if (x < width - 40) label(x + 8, "B  " + reference_name_);
-}
-
-void Viewer::draw_loupe_window() {
-    if (samples_old_ && !hasty_ && !hurries()) {
-        samples_old_ = false;
-        samples_.reset();
-        const glm::ivec2 size(picture_.width(), picture_.height());
-        if (canvas_.size == size && glm::all(glm::lessThan(*loupe_, size)))
-            attempt([&] { samples_ = subject_->technique->samples(*loupe_); });
-    }
-    ImGui::SetNextWindowPos({12, static_cast<float>(area_.y) - 36}, ImGuiCond_Always, {0, 1});
-    ImGui::SetNextWindowSize({264, 0});
-    ImGui::SetNextWindowBgAlpha(0.93f);
-    ImGui::Begin("loupe", nullptr, kFixed);
-    draw_loupe(canvas_, *loupe_);
-    ImGui::Text("pixel %d, %d", loupe_->x, loupe_->y);
-    const auto show_value = [&](const char* label, const Image& image) {
-        if (loupe_->x >= image.width() || loupe_->y >= image.height()) return;
-        ImGui::Text("%s  %.4g  %.4g  %.4g", label, image.at(loupe_->x, loupe_->y, 0),
-            image.at(loupe_->x, loupe_->y, 1), image.at(loupe_->x, loupe_->y, 2));
-    };
-    show_value("A", picture_);
-    if (reference_) show_value("B", *reference_);
-    if (samples_) {
-        ImGui::TextDisabled("%u of %u samples shaded%s", samples_->count, samples_->m * samples_->m,
-            samples_->by_rank ? "" : ", by surface");
-        draw_samples(*samples_, look_);
-    }
-    if (ImGui::SmallButton("close")) loupe_.reset();
-    ImGui::End();
-}
-
-void Viewer::draw_message() {
-    if (message_.empty() && complaints_.empty()) return;
-    ImGui::SetNextWindowPos({16, 16});
-    ImGui::SetNextWindowSize({std::min(560.0f, static_cast<float>(area_.x) - 32), 0});
-    ImGui::PushStyleColor(ImGuiCol_WindowBg, {0.17f, 0.09f, 0.07f, 0.94f});
-    ImGui::Begin("message", nullptr, kFixed);
-    ImGui::PushTextWrapPos(0);
-    if (!message_.empty()) ImGui::TextUnformatted(message_.c_str());
-    constexpr std::size_t kMost = 4;
-    const std::size_t first = complaints_.size() > kMost ? complaints_.size() - kMost : 0;
-    for (std::size_t i = first; i < complaints_.size(); ++i)
-        if (complaints_[i] != message_) ImGui::TextUnformatted(complaints_[i].c_str());
-    ImGui::PopTextWrapPos();
-    if (ImGui::SmallButton("dismiss")) {
-        message_.clear();
-        complaints_.clear();
-    }
-    ImGui::End();
-    ImGui::PopStyleColor();
 }
 
 } // namespace ockham::viewer

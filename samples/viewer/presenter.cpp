@@ -43,13 +43,6 @@ void change_layout(VkCommandBuffer commands, VkImage image, VkImageLayout before
     vkCmdPipelineBarrier2(commands, &info);
 }
 
-template <class Info>
-Info info_of(VkStructureType type) {
-    Info info{};
-    info.sType = type;
-    return info;
-}
-
 /// The part of a blit that lies inside the target: [origin, origin + extent) shows [0, source).
 VkImageBlit clipped_blit(
     glm::ivec2 origin, glm::ivec2 extent, glm::ivec2 source, glm::ivec2 target) {
@@ -80,21 +73,10 @@ std::vector<std::string> Presenter::device_extensions() {
     return {VK_KHR_SWAPCHAIN_EXTENSION_NAME};
 }
 
-Presenter::Presenter(Window& window, gpu::Device& device) : window_(window), device_(device) {
+Presenter::Presenter(Window& window, gpu::Device& device)
+    : window_(window), device_(device), swapchain_(window, device) {
     try {
-        expect(glfwCreateWindowSurface(device.instance(), window.handle(), nullptr, &surface_),
-            "making a surface of the window");
-        VkBool32 presents = VK_FALSE;
-        expect(vkGetPhysicalDeviceSurfaceSupportKHR(
-                   device.physical(), device.queue_family(), surface_, &presents),
-            "asking whether the device can present");
-        if (!presents)
-            fail_device(
-                "'{}' cannot present to this desktop; choose another by --gpu", device.info().name);
-        choose_format();
-        make_render_pass();
         make_frame_objects();
-        make_swapchain();
         start_imgui();
     } catch (...) {
         destroy();
@@ -112,60 +94,11 @@ void Presenter::destroy() {
     }
     canvas_.reset();
     staging_.reset();
-    destroy_targets();
     const VkDevice device = device_.handle();
-    vkDestroySwapchainKHR(device, swapchain_, nullptr);
     vkDestroySemaphore(device, acquired_, nullptr);
     vkDestroyFence(device, done_, nullptr);
     vkDestroyCommandPool(device, pool_, nullptr);
     vkDestroyDescriptorPool(device, descriptors_, nullptr);
-    vkDestroyRenderPass(device, render_pass_, nullptr);
-    vkDestroySurfaceKHR(device_.instance(), surface_, nullptr);
-}
-
-/// Eight bits that are shown as they are: widgets and canvas are display-encoded already.
-void Presenter::choose_format() {
-    std::uint32_t count = 0;
-    vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical(), surface_, &count, nullptr);
-    std::vector<VkSurfaceFormatKHR> formats(count);
-    expect(
-        vkGetPhysicalDeviceSurfaceFormatsKHR(device_.physical(), surface_, &count, formats.data()),
-        "asking for the window's formats");
-    for (const VkFormat wanted : {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM}) {
-        const auto found = std::ranges::find_if(formats, [&](const VkSurfaceFormatKHR& f) {
-            return f.format == wanted && f.colorSpace == VK_COLOR_SPACE_SRGB_NONLINEAR_KHR;
-        });
-        if (found != formats.end()) {
-            format_ = *found;
-            return;
-        }
-    }
-    fail_device("the window has no format of eight bits per channel that '{}' can draw",
-        device_.info().name);
-}
-
-void Presenter::make_render_pass() {
-    VkAttachmentDescription color{};
-    color.format = format_.format;
-    color.samples = VK_SAMPLE_COUNT_1_BIT;
-    color.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD; // the picture is there
-    color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    color.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    color.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-    color.initialLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    color.finalLayout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
-    const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
-    VkSubpassDescription subpass{};
-    subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-    subpass.colorAttachmentCount = 1;
-    subpass.pColorAttachments = &reference;
-    auto info = info_of<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
-    info.attachmentCount = 1;
-    info.pAttachments = &color;
-    info.subpassCount = 1;
-    info.pSubpasses = &subpass;
-    expect(vkCreateRenderPass(device_.handle(), &info, nullptr, &render_pass_),
-        "making the widgets' render pass");
 }
 
 void Presenter::make_frame_objects() {
@@ -195,82 +128,6 @@ void Presenter::make_frame_objects() {
     expect(vkCreateSemaphore(device, &semaphore, nullptr, &acquired_), "making a semaphore");
 }
 
-void Presenter::destroy_targets() {
-    for (const Target& target : targets_) {
-        vkDestroyFramebuffer(device_.handle(), target.framebuffer, nullptr);
-        vkDestroyImageView(device_.handle(), target.view, nullptr);
-        vkDestroySemaphore(device_.handle(), target.drawn, nullptr);
-    }
-    targets_.clear();
-}
-
-void Presenter::make_swapchain() {
-    const VkDevice device = device_.handle();
-    expect(vkDeviceWaitIdle(device), "waiting before the window's images change");
-    VkSurfaceCapabilitiesKHR can{};
-    expect(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physical(), surface_, &can),
-        "asking what the window can show");
-    glm::uvec2 size(window_.size());
-    if (can.currentExtent.width != ~0u) size = {can.currentExtent.width, can.currentExtent.height};
-    size = glm::clamp(size, glm::uvec2(can.minImageExtent.width, can.minImageExtent.height),
-        glm::uvec2(can.maxImageExtent.width, can.maxImageExtent.height));
-    size_ = size;
-    stale_ = size.x == 0 || size.y == 0;
-    if (stale_) return; // minimised
-    destroy_targets();
-    auto info = info_of<VkSwapchainCreateInfoKHR>(VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR);
-    info.surface = surface_;
-    info.minImageCount = std::max(can.minImageCount, 2u);
-    info.imageFormat = format_.format;
-    info.imageColorSpace = format_.colorSpace;
-    info.imageExtent = {size.x, size.y};
-    info.imageArrayLayers = 1;
-    info.imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
-                      VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    if ((can.supportedUsageFlags & info.imageUsage) != info.imageUsage)
-        fail_device("'{}' cannot copy pictures to this window", device_.info().name);
-    info.preTransform = can.currentTransform;
-    info.compositeAlpha = can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
-                              ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
-                              : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
-    info.presentMode = VK_PRESENT_MODE_FIFO_KHR;
-    info.clipped = VK_TRUE;
-    info.oldSwapchain = swapchain_;
-    VkSwapchainKHR swapchain = VK_NULL_HANDLE;
-    expect(vkCreateSwapchainKHR(device, &info, nullptr, &swapchain), "making the window's images");
-    vkDestroySwapchainKHR(device, swapchain_, nullptr);
-    swapchain_ = swapchain;
-
-    std::uint32_t count = 0;
-    vkGetSwapchainImagesKHR(device, swapchain_, &count, nullptr);
-    std::vector<VkImage> images(count);
-    expect(vkGetSwapchainImagesKHR(device, swapchain_, &count, images.data()),
-        "getting the window's images");
-    targets_.resize(images.size());
-    for (std::size_t i = 0; i < images.size(); ++i) {
-        Target& target = targets_[i];
-        target.image = images[i];
-        auto view = info_of<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
-        view.image = target.image;
-        view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-        view.format = format_.format;
-        view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-        expect(vkCreateImageView(device, &view, nullptr, &target.view), "viewing a window's image");
-        auto frame = info_of<VkFramebufferCreateInfo>(VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO);
-        frame.renderPass = render_pass_;
-        frame.attachmentCount = 1;
-        frame.pAttachments = &target.view;
-        frame.width = size.x;
-        frame.height = size.y;
-        frame.layers = 1;
-        expect(vkCreateFramebuffer(device, &frame, nullptr, &target.framebuffer),
-            "making a window's framebuffer");
-        const auto semaphore =
-            info_of<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
-        expect(vkCreateSemaphore(device, &semaphore, nullptr, &target.drawn), "making a semaphore");
-    }
-}
-
 void Presenter::start_imgui() {
     if (!ImGui_ImplGlfw_InitForVulkan(window_.handle(), true))
         fail_device("Dear ImGui cannot use this window");
@@ -285,7 +142,7 @@ void Presenter::start_imgui() {
     info.ImageCount = 2; // frames in flight are one: fewer than these copies of its vertices
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
     info.CheckVkResultFn = check_result;
-    ImGui_ImplVulkan_Init(&info, render_pass_);
+    ImGui_ImplVulkan_Init(&info, swapchain_.render_pass());
     imgui_ = true;
     device_.run("uploading the font",
         [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
@@ -293,10 +150,7 @@ void Presenter::start_imgui() {
 }
 
 bool Presenter::begin() {
-    const glm::uvec2 size(window_.size());
-    if (size.x == 0 || size.y == 0) return false;
-    if (stale_ || size != size_) make_swapchain();
-    if (stale_) return false;
+    if (!swapchain_.fit()) return false;
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
@@ -336,8 +190,8 @@ void Presenter::upload(const Canvas& canvas, VkCommandBuffer commands) {
         VK_ACCESS_2_TRANSFER_READ_BIT);
 }
 
-void Presenter::record(std::uint32_t index, glm::ivec2 origin, glm::ivec2 extent) {
-    const Target& target = targets_[index];
+void Presenter::record(const Swapchain::Target& target, glm::ivec2 origin, glm::ivec2 extent) {
+    const glm::uvec2 size = swapchain_.size();
     // Out of the semaphore's wait, which is for all stages.
     change_layout(commands_, target.image, VK_IMAGE_LAYOUT_UNDEFINED,
         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0,
@@ -352,7 +206,7 @@ void Presenter::record(std::uint32_t index, glm::ivec2 origin, glm::ivec2 extent
             VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
             VK_ACCESS_2_TRANSFER_WRITE_BIT);
         const glm::ivec2 source(canvas_->info().width, canvas_->info().height);
-        const VkImageBlit blit = clipped_blit(origin, extent, source, glm::ivec2(size_));
+        const VkImageBlit blit = clipped_blit(origin, extent, source, glm::ivec2(size));
         if (!is_empty(blit)) {
             vkCmdBlitImage(commands_, canvas_->handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                 target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit,
@@ -364,30 +218,30 @@ void Presenter::record(std::uint32_t index, glm::ivec2 origin, glm::ivec2 extent
         VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
         VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT);
     auto pass = info_of<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
-    pass.renderPass = render_pass_;
+    pass.renderPass = swapchain_.render_pass();
     pass.framebuffer = target.framebuffer;
-    pass.renderArea.extent = {size_.x, size_.y};
+    pass.renderArea.extent = {size.x, size.y};
     vkCmdBeginRenderPass(commands_, &pass, VK_SUBPASS_CONTENTS_INLINE);
     ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands_);
     vkCmdEndRenderPass(commands_);
 }
 
-void Presenter::record_shot(std::uint32_t index) {
-    shot_.emplace(device_, gpu::BufferInfo{.bytes = std::uint64_t{4} * size_.x * size_.y,
+void Presenter::record_shot(const Swapchain::Target& target) {
+    const glm::uvec2 size = swapchain_.size();
+    shot_.emplace(device_, gpu::BufferInfo{.bytes = std::uint64_t{4} * size.x * size.y,
                                .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                                .name = "screenshot",
                                .memory = gpu::MemoryUse::readback});
-    const VkImage image = targets_[index].image;
-    change_layout(commands_, image, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR,
+    change_layout(commands_, target.image, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR,
         VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
         VK_ACCESS_2_MEMORY_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
         VK_ACCESS_2_TRANSFER_READ_BIT);
     VkBufferImageCopy copy{};
     copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageExtent = {size_.x, size_.y, 1};
+    copy.imageExtent = {size.x, size.y, 1};
     vkCmdCopyImageToBuffer(
-        commands_, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, shot_->handle(), 1, &copy);
-    change_layout(commands_, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+        commands_, target.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, shot_->handle(), 1, &copy);
+    change_layout(commands_, target.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
         VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
         VK_ACCESS_2_TRANSFER_READ_BIT, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, 0);
     const VkMemoryBarrier2 host{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
@@ -405,10 +259,10 @@ void Presenter::record_shot(std::uint32_t index) {
 void Presenter::read_shot(Canvas& shot) {
     expect(vkWaitForFences(device_.handle(), 1, &done_, VK_TRUE, ~std::uint64_t{0}),
         "waiting for a screenshot");
-    shot.size = glm::ivec2(size_);
+    shot.size = glm::ivec2(swapchain_.size());
     shot.rgba.resize(shot_->bytes());
     std::memcpy(shot.rgba.data(), shot_->mapped().data(), shot.rgba.size());
-    if (format_.format == VK_FORMAT_B8G8R8A8_UNORM) {
+    if (swapchain_.format() == VK_FORMAT_B8G8R8A8_UNORM) {
         for (std::size_t i = 0; i < shot.rgba.size(); i += 4)
             std::swap(shot.rgba[i], shot.rgba[i + 2]);
     }
@@ -419,43 +273,27 @@ bool Presenter::end(const Canvas& canvas, glm::ivec2 origin, glm::ivec2 extent, 
     ImGui::Render();
     const VkDevice device = device_.handle();
     expect(vkWaitForFences(device, 1, &done_, VK_TRUE, ~std::uint64_t{0}), "waiting for a frame");
-    std::uint32_t index = 0;
-    const VkResult acquired = vkAcquireNextImageKHR(
-        device, swapchain_, ~std::uint64_t{0}, acquired_, VK_NULL_HANDLE, &index);
-    if (acquired == VK_ERROR_OUT_OF_DATE_KHR) {
-        stale_ = true;
-        return false;
-    }
-    expect(acquired, "acquiring an image of the window");
+    const Swapchain::Target* const target = swapchain_.acquire(acquired_);
+    if (!target) return false;
 
     expect(vkResetFences(device, 1, &done_), "resetting a fence");
     auto begin = info_of<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     expect(vkBeginCommandBuffer(commands_, &begin), "recording a frame of the window");
     upload(canvas, commands_);
-    record(index, origin, extent);
-    if (shot) record_shot(index);
+    record(*target, origin, extent);
+    if (shot) record_shot(*target);
     expect(vkEndCommandBuffer(commands_), "recording a frame of the window");
     const gpu::TimelinePoint wait{.semaphore = acquired_};
-    const gpu::TimelinePoint signal{.semaphore = targets_[index].drawn};
+    const gpu::TimelinePoint signal{.semaphore = target->drawn};
     device_.submit({.queue = device_.main_queue(),
                        .commands = {&commands_, 1},
                        .waits = {&wait, 1},
                        .signals = {&signal, 1},
                        .fence = done_},
         "drawing the window");
-    auto present = info_of<VkPresentInfoKHR>(VK_STRUCTURE_TYPE_PRESENT_INFO_KHR);
-    present.waitSemaphoreCount = 1;
-    present.pWaitSemaphores = &targets_[index].drawn;
-    present.swapchainCount = 1;
-    present.pSwapchains = &swapchain_;
-    present.pImageIndices = &index;
-    const VkResult presented = vkQueuePresentKHR(device_.main_queue_handle(), &present);
+    swapchain_.present();
     if (shot) read_shot(*shot);
-    if (presented == VK_ERROR_OUT_OF_DATE_KHR || presented == VK_SUBOPTIMAL_KHR)
-        stale_ = true;
-    else
-        expect(presented, "presenting to the window");
     return true;
 }
 

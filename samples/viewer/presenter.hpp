@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows a picture of the host with Dear ImGui over it: surface, swapchain, one frame in flight. The
+// Shows a picture of the host with Dear ImGui over it, one frame in flight. With its swapchain the
 // only part of the viewer that calls Vulkan; render graphs do not know of it.
 #pragma once
 
 #include "framework/gpu/buffer.hpp"
 #include "framework/gpu/image.hpp"
+#include "samples/viewer/swapchain.hpp"
 
 #include <glm/glm.hpp>
 
@@ -12,13 +13,7 @@
 #include <optional>
 #include <vector>
 
-namespace ockham::gpu {
-class Device;
-} // namespace ockham::gpu
-
 namespace ockham::viewer {
-
-class Window;
 
 /// Display-encoded picture, four bytes (R, G, B, unused) per pixel, top row first.
 struct Canvas {
@@ -47,39 +42,22 @@ public:
     bool end(const Canvas& canvas, glm::ivec2 origin, glm::ivec2 extent, Canvas* shot = nullptr);
 
 private:
-    /// Of an image of the swapchain.
-    struct Target {
-        VkImage image = VK_NULL_HANDLE;
-        VkImageView view = VK_NULL_HANDLE;
-        VkFramebuffer framebuffer = VK_NULL_HANDLE;
-        VkSemaphore drawn = VK_NULL_HANDLE;
-    };
-    void choose_format();
-    void make_render_pass();
     void make_frame_objects();
-    void make_swapchain();
-    void destroy_targets();
     void start_imgui();
     void upload(const Canvas& canvas, VkCommandBuffer commands);
-    void record(std::uint32_t index, glm::ivec2 origin, glm::ivec2 extent);
-    void record_shot(std::uint32_t index);
+    void record(const Swapchain::Target& target, glm::ivec2 origin, glm::ivec2 extent);
+    void record_shot(const Swapchain::Target& target);
     void read_shot(Canvas& shot);
     void destroy();
 
     Window& window_;
     gpu::Device& device_;
-    VkSurfaceKHR surface_ = VK_NULL_HANDLE;
-    VkSurfaceFormatKHR format_{};
-    VkRenderPass render_pass_ = VK_NULL_HANDLE;
+    Swapchain swapchain_;
     VkDescriptorPool descriptors_ = VK_NULL_HANDLE;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkCommandBuffer commands_ = VK_NULL_HANDLE;
     VkFence done_ = VK_NULL_HANDLE;
     VkSemaphore acquired_ = VK_NULL_HANDLE;
-    VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
-    glm::uvec2 size_{0}; ///< of the swapchain
-    std::vector<Target> targets_;
-    bool stale_ = true; ///< the swapchain no longer fits the window
     bool imgui_ = false;
     std::optional<gpu::Buffer> staging_, shot_;
     std::optional<gpu::Image> canvas_;

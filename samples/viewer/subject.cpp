@@ -3,7 +3,6 @@
 
 #include "framework/core/error.hpp"
 #include "framework/core/file.hpp"
-#include "framework/scene/builtin.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -12,24 +11,22 @@
 
 namespace ockham::viewer {
 
-Kind kind_of(const std::string& source) {
-    const std::string extension = std::filesystem::path(source).extension().string();
-    if (extension == ".gltf" || extension == ".glb" || extension == ".GLTF" || extension == ".GLB")
-        return Kind::surface;
-    const bool scene = std::ranges::any_of(builtin_scenes(), [&](const BuiltinName& builtin) {
-        return source == fmt::format("builtin:{}", builtin.name);
-    });
-    return scene ? Kind::surface : Kind::volume;
+Kind kind_of(const std::vector<std::string>& sources) {
+    const auto scenes = std::ranges::count_if(sources, names_scene);
+    if (scenes == std::ssize(sources)) return Kind::surface;
+    return scenes == 0 ? Kind::volume : Kind::both;
 }
 
 Subject::Subject(Kind which) : kind(which) {
     common.width = 1280;
     common.height = 720;
-    volume.method.cache_scale = 4; // a person waits for it
+    options.volume.method.cache_scale = 4; // a person waits for it
     if (kind == Kind::surface)
-        declare(params, surface);
+        declare(params, options.surface);
+    else if (kind == Kind::volume)
+        declare(params, options.volume);
     else
-        declare(params, volume);
+        declare(params, options);
     add_view_flags(params, common);
     const char* kPicture = "Picture";
     params.add("exposure", &common.exposure, "exposure of what is shown, and of .png files")
@@ -62,31 +59,27 @@ Subject::Subject(Kind which) : kind(which) {
 void Subject::open(gpu::Device& device) {
     technique.reset();
     if (kind == Kind::surface)
-        technique = std::make_unique<SurfaceTechnique>(device, common, surface);
+        technique = std::make_unique<SurfaceTechnique>(device, common, options.surface);
+    else if (kind == Kind::volume)
+        technique = std::make_unique<VolumeTechnique>(device, common, options.volume);
     else
-        technique = std::make_unique<VolumeTechnique>(device, common, volume);
+        technique = std::make_unique<SurfaceVolumeTechnique>(device, common, options);
 }
 
-void Subject::set_source(const std::string& source) {
-    if (kind == Kind::surface)
-        surface.scene.scenes = {source};
-    else
-        volume.volume.volume = {source};
+void Subject::set_sources(const std::vector<std::string>& sources) {
+    (kind == Kind::surface     ? options.surface.scene.scenes
+        : kind == Kind::volume ? options.volume.volume.volume
+                               : options.world.inputs) = sources;
     common.camera.clear();
 }
 
 std::vector<std::string> positionals(int argc, char** argv) {
-    const Subject surface(Kind::surface), volume(Kind::volume);
-    const auto takes_value = [&](const std::string& name) {
-        for (const Subject* subject : {&surface, &volume}) {
-            if (const Param* param = subject->params.find(name)) return !param->is_flag();
-        }
-        return false;
-    };
+    const Subject all(Kind::both); // has the flags of all kinds
     std::vector<std::string> words;
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
-        if (word == "-o" || (word.starts_with("--") && takes_value(word.substr(2))))
+        const Param* param = word.starts_with("--") ? all.params.find(word.substr(2)) : nullptr;
+        if (word == "-o" || (param && !param->is_flag()))
             ++i;
         else if (!word.starts_with("-"))
             words.push_back(word);
@@ -96,11 +89,17 @@ std::vector<std::string> positionals(int argc, char** argv) {
 
 Kind kind_of_command(int argc, char** argv) {
     const std::vector<std::string> sources = positionals(argc, argv);
-    if (!sources.empty()) return kind_of(sources.front());
-    for (int i = 1; i + 1 < argc; ++i) {
-        if (std::string_view(argv[i]) != "--config") continue;
-        const nlohmann::json json = nlohmann::json::parse(read_text(argv[i + 1]), nullptr, false);
-        if (json.is_object() && json.contains("volume")) return Kind::volume;
+    if (!sources.empty()) return kind_of(sources);
+    for (int i = 1; i < argc; ++i) {
+        const std::string word = argv[i], flag = "--config";
+        std::string file;
+        if (word == flag && i + 1 < argc) file = argv[i + 1];
+        if (word.starts_with(flag + "=")) file = word.substr(flag.size() + 1);
+        if (file.empty()) continue;
+        const nlohmann::json json = nlohmann::json::parse(read_text(file), nullptr, false);
+        if (!json.is_object()) continue; // whoever reads it says so
+        if (json.contains("input")) return Kind::both;
+        if (json.contains("volume")) return Kind::volume;
     }
     return Kind::surface;
 }

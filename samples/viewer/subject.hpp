@@ -3,8 +3,7 @@
 // the technique itself once there is a device. Tells scenes from volumes. Called by the viewer.
 #pragma once
 
-#include "samples/viewer/surface_technique.hpp"
-#include "samples/viewer/volume_technique.hpp"
+#include "samples/viewer/surface_volume_technique.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -14,10 +13,11 @@
 
 namespace ockham::viewer {
 
-enum class Kind { surface, volume };
+enum class Kind { surface, volume, both };
 
 /// By name: glTF and built-in scenes are surfaces, all else is left to the readers of volumes.
-Kind kind_of(const std::string& source);
+/// None: a scene.
+Kind kind_of(const std::vector<std::string>& sources);
 
 struct Subject {
     explicit Subject(Kind kind);
@@ -27,12 +27,11 @@ struct Subject {
     /// The technique, from the parameters as they are. Throws Error(input), and what was there is
     /// gone then.
     void open(gpu::Device& device);
-    void set_source(const std::string& source);
+    void set_sources(const std::vector<std::string>& sources);
 
     Kind kind;
     CommonOptions common;
-    SurfaceOptions surface;
-    VolumeViewerOptions volume;
+    SurfaceVolumeOptions options; ///< what the kind does not need has its defaults
     int frames = 0;
     std::string screenshot;
     std::optional<TransferFunction> drawn; ///< in place of --transfer

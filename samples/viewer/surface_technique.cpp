@@ -57,6 +57,16 @@ void declare(Params& params, SurfaceOptions& o) {
     add_aa_options(params, o.method);
 }
 
+Stage stage_of(const LitScene& lit, const CommonOptions& common) {
+    const Bounds& bounds = lit.gpu().bounds();
+    Stage stage{choose_camera(common, lit.scene(), bounds), bounds.center(),
+        std::max(bounds.radius(), 1e-6f), UpAxis::y};
+    const glm::vec3 p = stage.camera.position;
+    stage.inside =
+        glm::all(glm::lessThan(bounds.low, p)) && glm::all(glm::lessThan(p, bounds.high));
+    return stage;
+}
+
 SurfaceTechnique::SurfaceTechnique(
     gpu::Device& device, const CommonOptions& common, const SurfaceOptions& options)
     : device_(device), common_(common), options_(options) {
@@ -82,16 +92,6 @@ void SurfaceTechnique::load() {
 std::string SurfaceTechnique::title() const {
     const std::vector<std::string>& scenes = options_.scene.scenes;
     return scenes.empty() ? "builtin:atrium" : fmt::format("{}", fmt::join(scenes, " "));
-}
-
-Stage SurfaceTechnique::stage() const {
-    const Bounds& bounds = lit_->gpu().bounds();
-    Stage stage{choose_camera(common_, lit_->scene(), bounds), bounds.center(),
-        std::max(bounds.radius(), 1e-6f), UpAxis::y};
-    const glm::vec3 p = stage.camera.position;
-    stage.inside =
-        glm::all(glm::lessThan(bounds.low, p)) && glm::all(glm::lessThan(p, bounds.high));
-    return stage;
 }
 
 void SurfaceTechnique::change(const std::vector<std::string>& names) {

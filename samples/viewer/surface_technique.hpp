@@ -18,6 +18,9 @@ struct SurfaceOptions {
 };
 void declare(Params& params, SurfaceOptions& options);
 
+/// Where `common` says, or the scene.
+Stage stage_of(const LitScene& lit, const CommonOptions& common);
+
 class SurfaceTechnique : public Technique {
 public:
     /// Loads and uploads; all must outlive this object. Throws Error(input) naming the file.
@@ -30,7 +33,7 @@ public:
 
     const char* program() const override { return "adaptive_aa"; }
     std::string title() const override;
-    Stage stage() const override;
+    Stage stage() const override { return stage_of(*lit_, common_); }
     void change(const std::vector<std::string>& names) override;
     void set_camera(const Camera& camera) override;
     void render(glm::uvec2 size, bool hurry) override;
@@ -40,6 +43,7 @@ public:
     void want_overlay(const std::string& name) override;
     std::optional<Overlay> overlay(const std::string& name) override;
     std::optional<SampleGrid> samples(glm::ivec2 pixel) override;
+    std::string method() const override { return options_.method.method; }
     std::vector<std::string> rivals() const override;
     std::unique_ptr<Technique> rival(const std::string& name) override;
     std::vector<std::pair<std::string, std::string>> facts() override;

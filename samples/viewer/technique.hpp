@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the viewer shows: a scene or a volume, with its declared parameters, its pictures step by
-// step, and what can be laid over them. One implementation per pipeline; none knows of windows.
+// What the viewer shows: a scene, a volume or both, with its declared parameters, its pictures step
+// by step, and what can be laid over them. One implementation per pipeline; none knows of windows.
 #pragma once
 
 #include "framework/app/cli.hpp"
@@ -57,7 +57,8 @@ public:
     /// The samples of one pixel of the picture; nothing where it has none that are known by place.
     virtual std::optional<SampleGrid> samples(glm::ivec2) { return {}; }
 
-    /// Other ways to the same picture, by name, and one of them with all else equal: B of an A/B.
+    /// How this one renders, and other ways, by name; one of them with all else equal: B of an A/B.
+    virtual std::string method() const = 0;
     virtual std::vector<std::string> rivals() const = 0;
     virtual std::unique_ptr<Technique> rival(const std::string& name) = 0;
 

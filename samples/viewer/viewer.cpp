@@ -75,44 +75,50 @@ void Viewer::attempt(const std::function<void()>& action) {
 /// A JSON file that is a value of a parameter: a transfer function or a rig.
 bool Viewer::takes(const std::string& file) {
     const nlohmann::json json = nlohmann::json::parse(read_text(file), nullptr, false);
-    if (subject_->kind == Kind::volume && json.contains("points")) {
-        subject_->volume.volume.transfer = file;
-        subject_->volume.volume.window.clear();
+    if (subject_->kind != Kind::surface && json.contains("points")) {
+        VolumeOptions& volume = subject_->options.volume.volume;
+        volume.transfer = file;
+        volume.window.clear();
         changed_parameters({"transfer"});
         return true;
     }
-    if (subject_->kind == Kind::surface && !json.contains("dims")) {
-        subject_->surface.scene.rig = file;
+    if (subject_->kind != Kind::volume && !json.contains("dims")) {
+        subject_->options.surface.scene.rig = file;
         changed_parameters({"rig"});
         return true;
     }
     return false; // raw voxels
 }
 
+/// Scenes and volumes that are dropped together are shown together.
 void Viewer::take_dropped() {
+    std::vector<std::string> sources;
     for (const std::string& file : window_.take_dropped()) {
         attempt([&] {
             const std::string extension = std::filesystem::path(file).extension().string();
-            if (extension == ".exr" || extension == ".png") {
+            if (extension == ".exr" || extension == ".png")
                 load_reference(file);
-                return;
-            }
-            if (extension == ".json" && takes(file)) return;
-            auto next = std::make_unique<Subject>(kind_of(file));
-            next->common = subject_->common;
-            next->set_source(file);
-            // Two scenes seldom fit the memory that one takes.
-            rival_.reset();
-            subject_->technique.reset();
-            try {
-                open(std::move(next));
-            } catch (const Error&) {
-                subject_->open(device_);
-                subject_->technique->set_camera(navigation_.camera());
-                dirty_ = true;
-                throw;
-            }
+            else if (extension != ".json" || !takes(file))
+                sources.push_back(file);
         });
+    }
+    if (!sources.empty()) attempt([&] { replace(sources); });
+}
+
+void Viewer::replace(const std::vector<std::string>& sources) {
+    auto next = std::make_unique<Subject>(kind_of(sources));
+    next->common = subject_->common;
+    next->set_sources(sources);
+    // Two scenes seldom fit the memory that one takes.
+    rival_.reset();
+    subject_->technique.reset();
+    try {
+        open(std::move(next));
+    } catch (const Error&) {
+        subject_->open(device_);
+        subject_->technique->set_camera(navigation_.camera());
+        dirty_ = true;
+        throw;
     }
 }
 

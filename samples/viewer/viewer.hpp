@@ -56,6 +56,7 @@ private:
     void open(std::unique_ptr<Subject> subject);
     void take_dropped();
     bool takes(const std::string& file);
+    void replace(const std::vector<std::string>& sources);
     void load_reference(const std::string& file);
     void restart_rival();
     bool render_rival();
@@ -79,6 +80,8 @@ private:
     void draw_compare();
     void draw_save();
     void draw_volume();
+    void draw_isovalues(std::vector<double> isovalues, bool changed);
+    void draw_place();
     void draw_graph();
     void draw_reasons();
     void draw_status();

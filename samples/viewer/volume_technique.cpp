@@ -25,6 +25,10 @@ const std::set<std::string> kViewNames{"density-scale", "albedo", "phase-g", "li
 
 void declare(Params& params, VolumeViewerOptions& o) {
     add_volume_options(params, o.volume);
+    declare_method(params, o);
+}
+
+void declare_method(Params& params, VolumeViewerOptions& o) {
     add_volume_gi_options(params, o.method);
     params.add("steps", &o.steps, "samples per pixel, after which a picture that is still is done")
         .range(1, 1 << 24)
@@ -32,26 +36,39 @@ void declare(Params& params, VolumeViewerOptions& o) {
 }
 
 VolumeTechnique::VolumeTechnique(
+    gpu::Device& device, const CommonOptions& common, const VolumeViewerOptions& options, Empty)
+    : device_(device), common_(common), options_(options) {}
+
+VolumeTechnique::VolumeTechnique(
     gpu::Device& device, const CommonOptions& common, const VolumeViewerOptions& options)
-    : device_(device), common_(common), options_(options) {
-    load();
-    camera_ = stage().camera;
+    : VolumeTechnique(device, common, options, Empty{}) {
+    VolumeTechnique::load();
+    camera_ = VolumeTechnique::stage().camera;
 }
 
 VolumeTechnique::VolumeTechnique(gpu::Device& device, const CommonOptions& common,
-    const VolumeSource& source, const VolumeViewerOptions& options)
-    : device_(device), common_(common), own_(options), options_(*own_), source_(source) {
-    camera_ = stage().camera;
+    VolumeSource source, const VolumeViewerOptions& options,
+    const std::optional<VolumePlace>& place)
+    : device_(device), common_(common), own_(options), options_(*own_) {
+    take(std::move(source), place);
 }
 
-void VolumeTechnique::load() {
-    VolumeSource source = load_volume_source(options_.volume);
-    gi_.reset();
-    finished_ = false;
+void VolumeTechnique::load() { take(load_volume_source(options_.volume), {}); }
+
+void VolumeTechnique::take(VolumeSource source, const std::optional<VolumePlace>& place) {
+    forget();
     source_ = std::move(source);
+    place_ = place;
     apply(options_.method, source_.view);
     histogram_ = ockham::histogram(source_.volume, 256);
 }
+
+void VolumeTechnique::forget() {
+    picture_.reset();
+    finished_ = false;
+}
+
+void VolumeTechnique::relight() { update_view(options_.volume, source_); }
 
 std::string VolumeTechnique::title() const { return source_.volume.name; }
 
@@ -89,68 +106,86 @@ void VolumeTechnique::change(const std::vector<std::string>& names) {
         else if (name == "transfer" || name == "window")
             transfer = true;
         else
-            view = true, gi_.reset(); // another graph, or another environment
+            view = true, picture_.reset(); // another graph, or another environment
     }
     finished_ = false;
     if (view) {
-        update_view(options_.volume, source_);
+        relight();
         apply(options_.method, source_.view);
-        if (gi_) gi_->set_view(source_.view);
+        if (medium()) medium()->set_view(source_.view);
     }
     if (transfer) {
         update_transfer(options_.volume, source_);
-        if (gi_) gi_->set_transfer(source_.transfer);
+        if (medium()) medium()->set_transfer(source_.transfer);
     }
+    if (picture_ && !medium()) picture_.reset(); // there may be something to see now
 }
 
 void VolumeTechnique::set_transfer(const TransferFunction& transfer) {
     source_.transfer = transfer;
     finished_ = false;
-    if (gi_) gi_->set_transfer(transfer);
+    if (medium())
+        medium()->set_transfer(transfer);
+    else
+        picture_.reset();
 }
 
 void VolumeTechnique::set_camera(const Camera& camera) {
     camera_ = camera;
     finished_ = false;
-    if (gi_) gi_->set_camera(camera);
+    if (picture_) picture_->set_camera(camera);
+}
+
+std::unique_ptr<SurfaceVolume> VolumeTechnique::make(const VolumeGiParams& params) const {
+    const MediumSource medium{
+        source_.volume, source_.transfer, source_.environment, source_.view, {}};
+    return std::make_unique<SurfaceVolume>(
+        device_, nullptr, medium, camera_, SurfaceVolumeParams{{}, params});
 }
 
 void VolumeTechnique::render(glm::uvec2 size, bool hurry) {
     const bool caches = mode() == VolumeMode::caching;
     const bool gather = options_.method.gather && !(caches && hurry);
-    if (!gi_) {
+    const bool changes = size != size_ || gather != gather_;
+    if (changes && !medium()) picture_.reset();
+    if (!picture_) {
         VolumeGiParams params = volume_gi_params(options_.method, mode());
         params.width = size.x;
         params.height = size.y;
         params.gather = gather;
         params.keep_on_iso = true;
-        gi_ = std::make_unique<VolumeGi>(device_, source_.volume, source_.transfer,
-            source_.environment, source_.view, camera_, params);
-    } else if (size != size_ || gather != gather_) {
-        gi_->set_picture(size.x, size.y, gather);
+        params.place = place_;
+        picture_ = make(params);
+    } else if (changes) {
+        medium()->set_picture(size.x, size.y, gather);
     }
     size_ = size;
     gather_ = gather;
-    gi_->set_refining(!hurry);
-    const bool last = gi_->steps() >= static_cast<std::uint64_t>(options_.steps);
-    if (last)
-        gi_->drain(); // what long paths have left undone
+    VolumeGi* gi = medium();
+    if (!gi) { // meshes alone are done at once
+        picture_->execute();
+        finished_ = !hurry;
+        return;
+    }
+    gi->set_refining(!hurry);
+    const auto last = static_cast<std::uint64_t>(options_.steps);
+    if (gi->steps() >= last)
+        gi->drain(); // what long paths have left undone
     else
-        gi_->execute();
-    finished_ =
-        !hurry && gi_->steps() >= static_cast<std::uint64_t>(options_.steps) && gi_->finished();
+        gi->execute();
+    finished_ = !hurry && gi->steps() >= last && gi->finished();
 }
 
 std::vector<std::string> VolumeTechnique::overlays() const { return {kMajorantCells, kCacheCells}; }
 
 std::optional<Overlay> VolumeTechnique::overlay(const std::string& name) {
-    if (!gi_) return {};
-    Executor& executor = gi_->executor();
+    if (!medium()) return {};
+    Executor& executor = medium()->executor();
     const bool cache = name == kCacheCells;
     const BufferHandle buffer = executor.graph().find_buffer(cache ? "cache_index" : "majorants");
     if (!buffer) return {}; // one majorant for all, or no cache
     const std::vector<std::byte> bytes = executor.read(buffer);
-    CellGrid grid{.place = place_of(source_.volume), .dims = source_.volume.dims};
+    CellGrid grid{.place = place_.value_or(place_of(source_.volume)), .dims = source_.volume.dims};
     const glm::ivec2 half = glm::max(glm::ivec2(size_) / 2, glm::ivec2(1));
     if (!cache) {
         grid.side = RANGE_CELL;
@@ -181,7 +216,7 @@ std::vector<std::string> VolumeTechnique::rivals() const {
 std::unique_ptr<Technique> VolumeTechnique::rival(const std::string& name) {
     VolumeViewerOptions options = options_;
     options.method.mode = name;
-    auto other = std::make_unique<VolumeTechnique>(device_, common_, source_, options);
+    auto other = std::make_unique<VolumeTechnique>(device_, common_, source_, options, place_);
     other->set_camera(camera_);
     return other;
 }
@@ -191,10 +226,11 @@ std::vector<std::pair<std::string, std::string>> VolumeTechnique::facts() {
     std::vector<std::pair<std::string, std::string>> facts{
         {"voxels", fmt::format("{} x {} x {} {}", v.dims.x, v.dims.y, v.dims.z, name_of(v.type))},
         {"values", fmt::format("{:.5g} to {:.5g}", histogram_.low, histogram_.high)}};
-    if (!gi_) return facts;
-    const VolumeStatistics s = gi_->statistics();
-    facts.emplace_back("steps", fmt::format("{} of {}", gi_->steps(), options_.steps));
-    if (s.relative_error && gi_->steps() > 1)
+    VolumeGi* gi = medium();
+    if (!gi) return facts;
+    const VolumeStatistics s = gi->statistics();
+    facts.emplace_back("steps", fmt::format("{} of {}", gi->steps(), options_.steps));
+    if (s.relative_error && gi->steps() > 1)
         facts.emplace_back("noise", fmt::format("{:.2g} % of the mean", 100 * *s.relative_error));
     if (s.cells > 0)
         facts.emplace_back("cache", fmt::format("{} cells, {:.0f} MiB, {}", s.cells,
@@ -204,7 +240,7 @@ std::vector<std::pair<std::string, std::string>> VolumeTechnique::facts() {
 }
 
 std::vector<PassTime> VolumeTechnique::times() {
-    return gi_ ? gi_->executor().times() : std::vector<PassTime>{};
+    return picture_ ? picture_->times() : std::vector<PassTime>{};
 }
 
 } // namespace ockham::viewer

@@ -142,6 +142,13 @@ Gui::Gui() {
 
 Gui::~Gui() { ImGui::DestroyContext(); }
 
+void begin_fixed(const char* name, bool scrolls) {
+    ImGui::Begin(name, nullptr,
+        ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+            ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
+            (scrolls ? ImGuiWindowFlags_None : ImGuiWindowFlags_NoScrollbar));
+}
+
 SliderRange slider_range(const Param& param) {
     constexpr double kWide = 2000;
     if (param.high - param.low <= kWide) return {param.low, param.high, false};

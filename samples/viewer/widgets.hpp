@@ -18,6 +18,9 @@ public:
     Gui& operator=(const Gui&) = delete;
 };
 
+/// A part of the window without frame or title, to be ended as Dear ImGui's.
+void begin_fixed(const char* name, bool scrolls = true);
+
 /// A widget that edits `param`; true where a person has given it another value, which obeys the
 /// declaration. A right click brings the default back. Help, unit, range and flag show as a
 /// tooltip.

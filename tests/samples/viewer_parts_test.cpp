@@ -226,12 +226,15 @@ TEST(CellGrid, PixelsLieWhereTheCameraPutsThem) {
 }
 
 TEST(Kinds, ComeFromNames) {
-    EXPECT_EQ(kind_of("a/b.gltf"), Kind::surface);
-    EXPECT_EQ(kind_of("b.glb"), Kind::surface);
-    EXPECT_EQ(kind_of("builtin:wires"), Kind::surface);
-    EXPECT_EQ(kind_of("builtin:cloud"), Kind::volume);
-    EXPECT_EQ(kind_of("scan.nii.gz"), Kind::volume);
-    EXPECT_EQ(kind_of("dicom_folder"), Kind::volume);
+    EXPECT_EQ(kind_of({}), Kind::surface);
+    EXPECT_EQ(kind_of({"a/b.gltf"}), Kind::surface);
+    EXPECT_EQ(kind_of({"b.glb", "C.GLB"}), Kind::surface);
+    EXPECT_EQ(kind_of({"builtin:wires"}), Kind::surface);
+    EXPECT_EQ(kind_of({"builtin:cloud"}), Kind::volume);
+    EXPECT_EQ(kind_of({"scan.nii.gz"}), Kind::volume);
+    EXPECT_EQ(kind_of({"dicom_folder"}), Kind::volume);
+    EXPECT_EQ(kind_of({"b.glb", "scan.nii.gz"}), Kind::both);
+    EXPECT_EQ(kind_of({"builtin:cloud", "a/b.gltf", "c.glb"}), Kind::both);
 }
 
 TEST(Kinds, ValuesOfFlagsAreNoSources) {

@@ -108,6 +108,19 @@ TEST_F(ViewerProgram, ShowsAVolume) {
     expect_same_picture("volume_gi", flags + " --steps 2");
 }
 
+TEST_F(ViewerProgram, ShowsASceneWithAVolumeInIt) {
+    write_text(folder / "ball.raw", std::string(8 * 8 * 8, '\x7f'));
+    write_text(folder / "ball.json",
+        R"({"file": "ball.raw", "dims": [8, 8, 8], "type": "uint8", "spacing_mm": [1, 1, 1]})");
+    write_text(folder / "fog.json", R"({"points": [{"value": 0, "opacity": 1}]})");
+    const std::string flags =
+        "builtin:plane ball.json --transfer fog.json --density-scale 2 --mode path --m 2 "
+        "--place '0,1,-4 0,30,0 2' --camera '0,1.5,0.5 0,1,-4 50'";
+    const Result result = view(flags + " --width 480 --height 240 --frames 3 -o shown.exr");
+    ASSERT_EQ(result.exit_code, 0) << result.text;
+    expect_same_picture("surface_volume", flags + " --steps 3");
+}
+
 TEST_F(ViewerProgram, SurvivesAPersonAndKeepsTheSession) {
     // Drags, the wheel, keys, a resized and a hidden window; then SIGINT.
     const Result result =
