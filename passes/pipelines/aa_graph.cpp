@@ -4,6 +4,7 @@
 #include "framework/core/error.hpp"
 #include "passes/debug/surface_aov.hpp"
 #include "passes/pipelines/aa_baselines.hpp"
+#include "passes/post/bloom.hpp"
 #include "passes/post/taa.hpp"
 #include "passes/schedule/coarsen.hpp"
 #include "passes/surface/budget.hpp"
@@ -65,6 +66,10 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
         fail_input(
             "k = {}: a window of {} x {} has 1 to {} samples", params.k, params.m, params.m, n);
     }
+    if (!(params.bloom >= 0 && params.bloom <= 1))
+        fail_input("--bloom {}: a share is 0 to 1", params.bloom);
+    if (!(params.bloom_width > 0 && params.bloom_width <= 100))
+        fail_input("--bloom-width {}: more than 0 and at most 100 percent", params.bloom_width);
     if (params.count_block < 1 || params.count_block > 64) {
         fail_input("--k-filter max:{}: blocks are 1 to 64 pixels wide", params.count_block);
     }
@@ -336,6 +341,13 @@ AdaptiveAaOutputs add_adaptive_aa(
         .anisotropy = params.anisotropy};
     AdaptiveAaOutputs out = add_picture(graph, in, shading, params);
     out.gbuffer = in.gbuffer;
+    if (params.bloom > 0) {
+        out.radiance = add_bloom(graph, out.radiance,
+            {.share = params.bloom,
+                .sigma = params.bloom_width / 100 * static_cast<float>(params.height)});
+    } else {
+        graph.omit_pass("bloom", "no --bloom: the lens scatters no light");
+    }
     if (in.medium && !out.labels && params.m > 1) {
         out.labels =
             add_clusters(graph, in.scene.frame, in.gbuffer, {params.width, params.height, params.m},

@@ -66,6 +66,8 @@ struct AdaptiveAaParams {
     glm::uvec2 part_of{0};                ///< the picture is a part of one of that size; 0: of none
     std::uint32_t stall = 0;              ///< dependent FMAs per shaded sample
     std::uint32_t anisotropy = 16;        ///< 1 ... 16
+    float bloom = 0;                      ///< share of the light that a lens scatters, 0 ... 1
+    float bloom_width = 2;                ///< standard deviation of that, percent of the height
     bool aov = false;                     ///< export k, winner, S, depth, normal, material too
     bool export_counts = false;           ///< export k
     std::vector<std::string> captures;    ///< names of further images to export

@@ -99,6 +99,11 @@ void add_aa_options(Params& params, AaOptions& o) {
     add("stall", &o.stall,
         "dependent multiply-adds per shaded sample, in sixteens: stands in for costly shading")
         .range(0, 500000);
+    add("bloom", &o.bloom, "share of the light that a lens scatters around; 0: no bloom")
+        .range(0, 1);
+    add("bloom-width", &o.bloom_width, "standard deviation of where bloom goes")
+        .range(0.1, 10)
+        .unit("percent of the height");
 }
 
 AdaptiveAaParams aa_params(const AaOptions& o) {
@@ -144,6 +149,8 @@ AdaptiveAaParams aa_params(const AaOptions& o) {
     p.metrics.range_edge = o.metrics.range_edge;
     p.stall = static_cast<std::uint32_t>(o.stall);
     p.anisotropy = static_cast<std::uint32_t>(o.anisotropy);
+    p.bloom = o.bloom;
+    p.bloom_width = o.bloom_width;
     return p;
 }
 

@@ -34,6 +34,7 @@ struct AaOptions {
     MetricsParams metrics;
     int stall = 0;
     int anisotropy = 16;
+    float bloom = 0, bloom_width = 2;
 };
 
 /// Declares them in the group "Method"; `options` must outlive `params`.

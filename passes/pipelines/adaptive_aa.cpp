@@ -40,6 +40,7 @@ bool keeps_history(const AdaptiveAaParams& params) {
 std::string whole_picture_reason(const AdaptiveAaParams& params) {
     if (params.method == AaMethod::taa) return "--method taa keeps pictures of earlier frames";
     if (filters_picture(params.method)) return "its --method looks farther around than one pixel";
+    if (params.bloom > 0) return "--bloom gathers light from far around";
     if (keeps_history(params)) return "--history keeps variances of earlier frames";
     if (params.budget >= 0)
         return "--budget shares samples out over all pixels at once; use --lambda";
@@ -149,7 +150,7 @@ AdaptiveAa::Fit AdaptiveAa::choose_fit(gpu::Device& device) const {
         }
         const std::string whole = whole_picture_reason(params_);
         if (fit.tile != picture && !whole.empty())
-            fail_device("{}: screen tiles cannot help, for {}", reason, whole);
+            fail_device("{}: screen tiles cannot help, for {}", cut ? "--tile" : reason, whole);
         if (fit.tile.x == 0 || fit.tile.y == 0)
             fail_device("{}: not even {} x {} pixels fit", reason, most.x, most.y);
         const std::string why = obstacle(device, fit);

@@ -27,6 +27,8 @@ AdaptiveAaParams checked(const AdaptiveAaParams& params) {
     if (p.gbuffer == GbufferLayout::visibility || p.tile.x > 0)
         fail_input("--gbuffer, --tile: with a medium, samples are packed and the picture is whole; "
                    "make it smaller, or --m");
+    if (p.bloom > 0)
+        fail_input("--bloom: with a medium, meshes are not the whole picture; leave it out");
     p.gbuffer = GbufferLayout::packed;
     p.history = false; // views are rendered once, and not one after the other
     return p;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The documentation shows code that is compiled: every C++, GLSL and CMake block names the region
 // of a source file that it repeats, in the line before it: <!-- snippet: tests/docs/x.cpp#name -->.
-// A region lies between the comments [name] and [/name].
+// A region lies between the comments [name] and [/name]; without #name it is the whole file. What a
+// diff block leaves of its lines stands in the file as it is.
+#include "tests/docs/documents.hpp"
+
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <cctype>
-#include <filesystem>
-#include <fstream>
 #include <optional>
 #include <set>
 #include <string>
@@ -18,15 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = OCKHAM_SOURCE_DIR;
-
-std::vector<std::string> read_lines(const fs::path& path) {
-    std::ifstream file(path);
-    EXPECT_TRUE(file) << path;
-    std::vector<std::string> lines;
-    for (std::string line; std::getline(file, line);) lines.push_back(line);
-    return lines;
-}
+using test::documents, test::kRoot, test::read_lines;
 
 std::string trimmed(const std::string& line) {
     const auto first = line.find_first_not_of(' ');
@@ -43,8 +35,15 @@ std::string unindented(const std::vector<std::string>& lines) {
     return text;
 }
 
-/// The region `name` of a source file; nothing if there is none.
+std::string text_of(const fs::path& path) {
+    std::string text;
+    for (const std::string& line : read_lines(path)) text += line + "\n";
+    return text;
+}
+
+/// The region `name` of a source file, all of it for no name; nothing if there is none.
 std::optional<std::string> region_of(const fs::path& path, const std::string& name) {
+    if (name.empty()) return text_of(path);
     std::vector<std::string> lines;
     bool inside = false;
     for (const std::string& line : read_lines(path)) {
@@ -57,13 +56,6 @@ std::optional<std::string> region_of(const fs::path& path, const std::string& na
         if (is("[" + name + "]")) inside = true;
     }
     return std::nullopt;
-}
-
-std::vector<fs::path> documents() {
-    std::vector<fs::path> all{kRoot / "README.md", kRoot / "CONTRIBUTING.md"};
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / "docs"))
-        if (entry.path().extension() == ".md") all.push_back(entry.path());
-    return all;
 }
 
 /// What GitHub makes of a heading: lower case, dashes for spaces, no punctuation.
@@ -100,7 +92,7 @@ TEST(Snippets, AnchorsAreThoseOfGitHub) {
 }
 
 TEST(Snippets, AreRegionsOfCompiledFiles) {
-    const std::set<std::string> languages{"cpp", "glsl", "cmake"};
+    const std::set<std::string> languages{"cpp", "glsl", "cmake", "diff"};
     const std::string before = "<!-- snippet: ", after = " -->";
     std::size_t count = 0;
     for (const fs::path& document : documents()) {
@@ -108,20 +100,32 @@ TEST(Snippets, AreRegionsOfCompiledFiles) {
         for (std::size_t i = 0; i < lines.size(); ++i) {
             if (!lines[i].starts_with("```") || lines[i].size() == 3) continue;
             if (!languages.contains(lines[i].substr(3))) continue;
+            const bool diff = lines[i] == "```diff";
             const std::string where = fmt::format("{}:{}", document.string(), i + 1);
             const std::string mark = i == 0 ? "" : lines[i - 1];
-            const std::size_t hash = mark.find('#');
-            if (!mark.starts_with(before) || !mark.ends_with(after) || hash == std::string::npos) {
+            if (!mark.starts_with(before) || !mark.ends_with(after)) {
                 ADD_FAILURE() << where << ": no <!-- snippet: file#name --> before this block";
                 continue;
             }
-            const fs::path source = kRoot / mark.substr(before.size(), hash - before.size());
-            const std::string name = mark.substr(hash + 1, mark.size() - hash - 1 - after.size());
+            const std::string target =
+                mark.substr(before.size(), mark.size() - before.size() - after.size());
+            const std::size_t hash = std::min(target.find('#'), target.size());
+            const fs::path source = kRoot / target.substr(0, hash);
+            const std::string name = hash < target.size() ? target.substr(hash + 1) : "";
             const auto region = region_of(source, name);
             ASSERT_TRUE(region) << where << ": " << source << " has no region [" << name << "]";
             std::string shown;
-            for (++i; i < lines.size() && lines[i] != "```"; ++i) shown += lines[i] + "\n";
-            EXPECT_EQ(shown, *region) << where << " is not what " << source << " has";
+            for (++i; i < lines.size() && lines[i] != "```"; ++i) {
+                if (diff && lines[i].starts_with('-')) continue;
+                shown += lines[i].substr(diff && !lines[i].empty() ? 1 : 0) + "\n";
+            }
+            if (diff) {
+                EXPECT_NE(region->find(shown), std::string::npos)
+                    << where << ": " << source << " has no such lines:\n"
+                    << shown;
+            } else {
+                EXPECT_EQ(shown, *region) << where << " is not what " << source << " has";
+            }
             ++count;
         }
     }

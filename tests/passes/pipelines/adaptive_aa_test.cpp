@@ -7,6 +7,7 @@
 #include "framework/graph/explain/explain.hpp"
 #include "framework/scene/builtin.hpp"
 #include "passes/pipelines/adaptive_aa.hpp"
+#include "passes/post/bloom.hpp"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/pass_bench.hpp"
 #include "tests/support/surface_scenes.hpp"
@@ -590,6 +591,25 @@ TEST_F(AdaptiveAaTest, CountsAreCoarsenedOnlyOnRequest) {
     EXPECT_EQ(blocks.sample_counts().histogram[0] % 64, 0u);
     for (AdaptiveAa* coarse : {&powers, &blocks})
         EXPECT_GT(coarse->sample_counts().percent, fine.sample_counts().percent);
+}
+
+TEST_F(AdaptiveAaTest, BloomFollowsThePictureWhereItIsAskedFor) {
+    AdaptiveAaParams p = params(40, 24, 2, AaMethod::adaptive);
+    AdaptiveAa sharp(device(), varied(), camera(), p);
+    sharp.execute();
+    EXPECT_FALSE(runs(sharp, "bloom"));
+    EXPECT_NE(explanation(sharp).find("no --bloom"), std::string::npos);
+
+    p.bloom = 0.5f;
+    AdaptiveAa scattered(device(), varied(), camera(), p);
+    scattered.execute();
+    PassBench bench(device());
+    const ImageHandle bloom = add_bloom(bench.graph,
+        bench.image("picture", VK_FORMAT_R32G32B32A32_SFLOAT, 40, 24, interleaved(sharp.picture())),
+        {.share = 0.5f, .sigma = p.bloom_width / 100 * 24});
+    bench.graph.export_resource(bloom, "test");
+    bench.execute();
+    EXPECT_TRUE(equal_bits(scattered.picture(), bench.read(bloom)));
 }
 
 TEST_F(AdaptiveAaTest, EveryBackEndSharesSamplesOutAlike) {
