@@ -2,7 +2,9 @@
 #include "framework/gpu/memory.hpp"
 
 #include "framework/core/error.hpp"
+#include "framework/core/memory_table.hpp"
 #include "framework/gpu/debug.hpp"
+#include "framework/gpu/device_lost.hpp"
 
 #include <algorithm>
 #include <iterator>
@@ -17,6 +19,7 @@ struct MemoryBlock {
     MemoryUse use = MemoryUse::device;
     std::byte* mapped = nullptr;
     std::map<std::uint64_t, std::uint64_t> free; ///< offset -> bytes; neighbours are merged
+    std::map<std::uint64_t, MemoryRow> pieces;   ///< by offset: what is handed out
 };
 
 namespace {
@@ -26,6 +29,20 @@ std::uint64_t align_up(std::uint64_t value, std::uint64_t alignment) {
 }
 
 double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
+std::string table_of(const std::vector<std::unique_ptr<MemoryBlock>>& blocks) {
+    std::vector<MemoryRow> rows;
+    for (const auto& block : blocks)
+        for (const auto& [offset, piece] : block->pieces) rows.push_back(piece);
+    return rows.empty() ? "" : "\nIn use on the device:" + memory_table(std::move(rows));
+}
+
+/// What a piece of memory is for, in the table.
+const char* purpose_of(MemoryUse use) {
+    return use == MemoryUse::device   ? "for the device alone"
+           : use == MemoryUse::upload ? "written by the host"
+                                      : "read by the host";
+}
 
 } // namespace
 
@@ -99,10 +116,16 @@ MemoryBlock& Allocator::add_block(
     block->type = type;
     block->use = use;
     block->free.emplace(0, bytes);
-    expect(hook_.allocate ? hook_.allocate(info, block->memory)
-                          : vkAllocateMemory(device_, &info, nullptr, &block->memory),
-        fmt::format("allocating {:.1f} MiB of GPU memory for '{}' (in use: {:.1f} MiB)", mib(bytes),
-            name, mib(bytes_used_)));
+    try {
+        expect(hook_.allocate ? hook_.allocate(info, block->memory)
+                              : vkAllocateMemory(device_, &info, nullptr, &block->memory),
+            fmt::format("allocating {:.1f} MiB of GPU memory for '{}' (in use: {:.1f} MiB)",
+                mib(bytes), name, mib(bytes_used_)));
+    } catch (const DeviceLost&) {
+        throw;
+    } catch (const Error& error) {
+        throw Error(error.kind(), error.what() + table_of(blocks_));
+    }
     if (use != MemoryUse::device) {
         void* mapped = nullptr;
         const VkResult result = vkMapMemory(device_, block->memory, 0, VK_WHOLE_SIZE, 0, &mapped);
@@ -123,8 +146,8 @@ Memory Allocator::allocate(
     const std::uint64_t bytes = align_up(requirements.size, granularity_);
     if (budget_bytes_ && bytes_used_ + bytes > budget_bytes_) {
         fail_device("'{}' needs {:.1f} MiB of GPU memory, but of the budget of {:.1f} MiB already "
-                    "{:.1f} MiB are in use; raise --memory-budget or ask for less",
-            name, mib(bytes), mib(budget_bytes_), mib(bytes_used_));
+                    "{:.1f} MiB are in use; raise --memory-budget or ask for less{}",
+            name, mib(bytes), mib(budget_bytes_), mib(bytes_used_), table_of(blocks_));
     }
     const std::uint32_t type = memory_type(requirements.memoryTypeBits, use, name);
 
@@ -149,6 +172,7 @@ Memory Allocator::allocate(
         result.block_ = &block;
         result.offset_ = offset;
         result.bytes_ = bytes;
+        block.pieces[offset] = {bytes, std::string(name), purpose_of(use)};
         bytes_used_ += bytes;
         return true;
     };
@@ -175,6 +199,7 @@ void Allocator::free(const MemoryBlock& block) const {
 void Allocator::release(Memory& memory) {
     const std::lock_guard lock(mutex_);
     MemoryBlock& block = *memory.block_;
+    block.pieces.erase(memory.offset_);
     auto range = block.free.emplace(memory.offset_, memory.bytes_).first;
     const auto next = std::next(range);
     if (next != block.free.end() && range->first + range->second == next->first) {

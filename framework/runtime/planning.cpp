@@ -3,7 +3,10 @@
 
 #include "framework/gpu/device.hpp"
 #include "framework/graph/plan_cache.hpp"
+#include "framework/graph/shuffle.hpp"
 #include "framework/runtime/resources.hpp"
+
+#include <cstdlib>
 
 namespace ockham {
 
@@ -43,6 +46,15 @@ void ask_memory(const gpu::Device& device, Declaration& declaration, const Plan&
     }
 }
 
+/// With OCKHAM_SHUFFLE=N as of passes declared in a random order, the same for the same N.
+Plan compile_as_asked(
+    const Declaration& declaration, const Capabilities& capabilities, const Policy& policy) {
+    const char* const seed = std::getenv("OCKHAM_SHUFFLE");
+    return seed ? compile_shuffled(
+                      declaration, capabilities, policy, std::strtoull(seed, nullptr, 10))
+                : compile(declaration, capabilities, policy);
+}
+
 } // namespace
 
 Plan make_plan(const gpu::Device& device, Graph& graph, const Policy& policy,
@@ -52,8 +64,9 @@ Plan make_plan(const gpu::Device& device, Graph& graph, const Policy& policy,
         // Memory needs follow from usage bits, and these from what is culled: plan once without.
         Policy without_budget = policy;
         without_budget.memory_budget_bytes = 0;
-        ask_memory(device, declaration, compile(declaration, capabilities, without_budget));
-        return compile(declaration, capabilities, policy);
+        ask_memory(
+            device, declaration, compile_as_asked(declaration, capabilities, without_budget));
+        return compile_as_asked(declaration, capabilities, policy);
     };
     if (!cache) return plan_anew();
     Plan plan = *cache->get(graph, capabilities, policy, plan_anew);

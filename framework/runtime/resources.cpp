@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "framework/runtime/resources.hpp"
 
+#include "framework/core/error.hpp"
 #include "framework/gpu/device.hpp"
+#include "framework/gpu/device_lost.hpp"
+#include "framework/graph/explain/explain.hpp"
 #include "framework/graph/format.hpp"
 #include "framework/runtime/barriers.hpp"
 #include "framework/runtime/misuse.hpp"
@@ -194,10 +197,16 @@ void Resources::create_heaps() {
             std::max(alignments[placement.heap], resource.memory.alignment);
         if (!plan_.heaps[placement.heap].shared) names[placement.heap] = resource.name.c_str();
     }
-    for (std::size_t i = 0; i < plan_.heaps.size(); ++i) {
-        heaps_.push_back(device_.allocator().allocate(
-            {plan_.heaps[i].bytes, alignments[i], plan_.heaps[i].type_bits}, gpu::MemoryUse::device,
-            names[i]));
+    try {
+        for (std::size_t i = 0; i < plan_.heaps.size(); ++i) {
+            heaps_.push_back(device_.allocator().allocate(
+                {plan_.heaps[i].bytes, alignments[i], plan_.heaps[i].type_bits},
+                gpu::MemoryUse::device, names[i]));
+        }
+    } catch (const gpu::DeviceLost&) {
+        throw;
+    } catch (const Error& error) { // whose text tells what the device holds
+        throw Error(error.kind(), error.what() + needs_text(declaration(), plan_));
     }
 }
 

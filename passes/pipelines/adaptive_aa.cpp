@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <optional>
 
 namespace ockham {
 namespace {
@@ -96,11 +97,7 @@ AdaptiveAa::AdaptiveAa(
             {outputs_.first_sample, outputs_.winner, outputs_.aov_surface, outputs_.aov_material});
     }
     std::erase_if(kept_, [](ImageHandle image) { return !image; });
-    Policy policy;
-    const std::uint64_t budget = device.allocator().budget_bytes();
-    const std::uint64_t used = device.allocator().bytes_used();
-    if (budget > 0) policy.memory_budget_bytes = budget > used ? budget - used : 1;
-    executor_ = std::make_unique<Executor>(device, std::move(declared.graph), policy);
+    executor_ = std::make_unique<Executor>(device, std::move(declared.graph));
     lit.gpu().bind(*executor_, declared.in.scene.handles);
     executor_->bind(declared.in.scene.frame, *frame_);
     if (frame_before_) executor_->bind(declared.in.frame_before, *frame_before_);
@@ -136,9 +133,11 @@ AdaptiveAa::Fit AdaptiveAa::choose_fit(gpu::Device& device) const {
     if (params_.gbuffer == GbufferLayout::packed) return {GbufferLayout::packed, picture, {}};
     const bool cut = params_.tile.x > 0; // on request
     std::string reason;
+    std::optional<Fit> tried; // what did not fit last
     if (!params_.gbuffer && !cut) {
-        reason = obstacle(device, {GbufferLayout::packed, picture, {}});
-        if (reason.empty()) return {GbufferLayout::packed, picture, {}};
+        tried = Fit{GbufferLayout::packed, picture, {}};
+        reason = obstacle(device, *tried);
+        if (reason.empty()) return *tried;
     }
     glm::uvec2 most = cut ? params_.tile : picture;
     most = glm::min(most, glm::uvec2(max_extent_ / params_.m));
@@ -150,11 +149,14 @@ AdaptiveAa::Fit AdaptiveAa::choose_fit(gpu::Device& device) const {
         }
         const std::string whole = whole_picture_reason(params_);
         if (fit.tile != picture && !whole.empty())
-            fail_device("{}: screen tiles cannot help, for {}", cut ? "--tile" : reason, whole);
+            fail_device("{}: screen tiles cannot help, for {}{}", cut ? "--tile" : reason, whole,
+                refusal(device, tried));
         if (fit.tile.x == 0 || fit.tile.y == 0)
-            fail_device("{}: not even {} x {} pixels fit", reason, most.x, most.y);
+            fail_device("{}: not even {} x {} pixels fit{}", reason, most.x, most.y,
+                refusal(device, tried));
         const std::string why = obstacle(device, fit);
         if (why.empty()) return fit;
+        tried = fit;
         if (reason.empty()) reason = why;
         const int longer = fit.tile.x >= fit.tile.y ? 0 : 1;
         most = fit.tile;
@@ -189,6 +191,19 @@ std::string AdaptiveAa::obstacle(gpu::Device& device, const Fit& fit) const {
         }
     }
     return "";
+}
+
+/// What is said where memory is asked for: who holds it, and what the graph needs.
+std::string AdaptiveAa::refusal(gpu::Device& device, const std::optional<Fit>& fit) const {
+    if (!fit) return "";
+    const glm::uvec2 samples = params_.m * fit->tile;
+    if (samples.x > max_extent_ || samples.y > max_extent_) return "";
+    try {
+        const Executor executor(device, declare(*fit).graph);
+        return "";
+    } catch (const Error& error) {
+        return fmt::format("; {} x {}: {}", fit->tile.x, fit->tile.y, error.what());
+    }
 }
 
 void AdaptiveAa::set_camera(const Camera& camera) {

@@ -9,6 +9,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -84,6 +85,7 @@ private:
     Declared declare(const Fit& fit) const;
     Fit choose_fit(gpu::Device& device) const;
     std::string obstacle(gpu::Device& device, const Fit& fit) const;
+    std::string refusal(gpu::Device& device, const std::optional<Fit>& fit) const;
     /// What the next execution of the graph shows.
     void aim(const TilePlacement& tile);
 };

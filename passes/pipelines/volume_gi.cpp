@@ -106,11 +106,7 @@ VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunc
     show(view, camera);
     if (caching()) cache_size_ = count_cache_cells(device_, gpu_, frame_, cache_params());
     Graph graph = declare();
-    Policy policy;
-    const std::uint64_t budget = device.allocator().budget_bytes();
-    const std::uint64_t used = device.allocator().bytes_used();
-    if (budget > 0) policy.memory_budget_bytes = budget > used ? budget - used : 1;
-    executor_ = std::make_unique<Executor>(device, std::move(graph), policy);
+    executor_ = std::make_unique<Executor>(device, std::move(graph));
     bind();
 }
 

@@ -277,6 +277,19 @@ TEST_F(AdaptiveAaProgram, missing_device_or_memory_is_exit_code_3) {
         "VK_DRIVER_FILES=/nonexistent.json VK_ICD_FILENAMES=/nonexistent.json");
     expect_error("builtin:sky --gpu nothing", 3, {"--gpu 'nothing'"});
     expect_error("builtin:wires --memory-budget 8 -o out.exr", 3, {"budget"});
+    // Who holds what, and what the graph needs from which pass to which.
+    const std::vector<std::string> table{"raise --memory-budget",
+        "\nIn use on the device:\n      64.000 MiB  shadow_map               for the device "
+        "alone\n",
+        "MiB  vertices  ", "\ngraph 'adaptive_aa' needs ", "the largest:\n",
+        "MiB  gbuffer                  kept: used from 'gbuffer' to 'shade'\n",
+        "       3.000 MiB  radiance                 kept: used by 'resolve'; exported (the "
+        "picture)\n",
+        " smaller\n"};
+    const std::string picture =
+        "builtin:wires --width 512 --height 384 -o out.exr --memory-budget ";
+    expect_error(picture + "90 --gbuffer packed", 3, table);
+    expect_error(picture + "66 --budget 50", 3, table); // which no screen tiles are drawn with
 }
 
 TEST_F(AdaptiveAaProgram, help_version_and_devices) {

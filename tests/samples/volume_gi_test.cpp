@@ -415,7 +415,21 @@ TEST_F(VolumeGiProgram, bad_input_is_one_error_with_exit_code_2) {
     expect_error("ball.json --convergence c.csv", 2, {"--convergence", "--reference"});
     expect_error("ball.json -o same.exr --checkpoint same.exr", 2, {"same.exr", "two outputs"});
     expect_error("ball.json --capture nothing=x.exr", 2, {"nothing"});
-    expect_error("ball.json --memory-budget 1", 3, {"budget"});
+}
+
+TEST_F(VolumeGiProgram, memory_that_ends_is_told_with_a_table) {
+    // Who holds what, and what the graph needs from which pass to which.
+    expect_error("ball.json --mode path --width 512 --height 384 --steps 1 -o out.exr "
+                 "--memory-budget 10",
+        3,
+        {"'paths' needs 23.2 MiB of GPU memory, but of the budget of 10.0 MiB",
+            "raise --memory-budget", "\nIn use on the device:\n       3.000 MiB  path_sum ",
+            " for the device alone\n", "\ngraph 'volume_gi' needs 3", " MiB for 1",
+            "the largest:\n      23.250 MiB  paths                    kept: used from "
+            "'restart_paths' to 'path_drain'; persistent\n",
+            "       3.000 MiB  path_radiance            kept: used by 'path_mean'; exported (the "
+            "picture)\n",
+            " smaller\n"});
 }
 
 TEST_F(VolumeGiProgram, says_what_it_inferred) {

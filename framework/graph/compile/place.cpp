@@ -156,27 +156,6 @@ std::uint64_t lower_bound(const Declaration& declaration, const Plan& plan) {
     return kept + most;
 }
 
-[[noreturn]] void fail_budget(
-    const Declaration& declaration, const Policy& policy, const Plan& plan) {
-    constexpr double mib = 1 << 20;
-    constexpr std::size_t rows = 10;
-    std::vector<Placement> largest = plan.placements;
-    std::stable_sort(largest.begin(), largest.end(),
-        [](const Placement& a, const Placement& b) { return a.bytes > b.bytes; });
-    std::string table;
-    for (std::size_t i = 0; i < std::min(rows, largest.size()); ++i)
-        table +=
-            fmt::format("\n  {:10.3f} MiB  {:<24} {}", static_cast<double>(largest[i].bytes) / mib,
-                declaration.resources[largest[i].resource].name,
-                reason_of_resource(declaration, plan, largest[i].resource));
-    fail_device("[over-budget] graph '{}': its {} resources need {:.3f} MiB, the memory budget is "
-                "{:.3f} MiB and this order of passes needs at least {:.3f} MiB; shrink, "
-                "split or raise it. The largest:{}",
-        declaration.name, plan.placements.size(), static_cast<double>(plan.bytes_peak) / mib,
-        static_cast<double>(policy.memory_budget_bytes) / mib,
-        static_cast<double>(plan.bytes_lower_bound) / mib, table);
-}
-
 } // namespace
 
 void place(const Declaration& declaration, const Capabilities& capabilities, const Policy& policy,
@@ -193,7 +172,10 @@ void place(const Declaration& declaration, const Capabilities& capabilities, con
     for (const Heap& heap : plan.heaps) plan.bytes_peak += heap.bytes;
     plan.bytes_lower_bound = lower_bound(declaration, plan);
     if (policy.memory_budget_bytes && plan.bytes_peak > policy.memory_budget_bytes)
-        fail_budget(declaration, policy, plan);
+        fail_device("[over-budget] graph '{}' does not fit into {:.3f} MiB; shrink, split or raise "
+                    "them{}",
+            declaration.name, static_cast<double>(policy.memory_budget_bytes) / (1 << 20),
+            needs_text(declaration, plan));
 }
 
 } // namespace ockham

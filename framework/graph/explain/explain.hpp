@@ -39,6 +39,9 @@ struct Peak {
     std::vector<ResourceId> live;
 };
 Peak memory_peak(const Plan& plan);
+/// For the end of an error about memory: "\ngraph 'g' needs 4.000 MiB, ...", and core's
+/// memory_table() of what lies in the plan's heaps and why.
+std::string needs_text(const Declaration& declaration, const Plan& plan);
 
 /// "the main queue" or "queue 1".
 std::string queue_text(std::uint32_t queue);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "framework/core/memory_table.hpp"
 #include "framework/graph/describe.hpp"
 #include "framework/graph/explain/explain.hpp"
 #include "framework/graph/explain/timeline.hpp"
@@ -86,6 +87,18 @@ std::string why_not_shared(
     return fmt::format("'{}' and '{}' never live together, but lie apart: sharing was switched off "
                        "or would save nothing",
         name_a, name_b);
+}
+
+std::string needs_text(const Declaration& declaration, const Plan& plan) {
+    constexpr double mib = 1 << 20;
+    std::vector<MemoryRow> rows;
+    for (const Placement& placement : plan.placements)
+        rows.push_back({placement.bytes, declaration.resources[placement.resource].name,
+            reason_of_resource(declaration, plan, placement.resource)});
+    return fmt::format("\ngraph '{}' needs {:.3f} MiB for {} resources, in this order of passes at "
+                       "least {:.3f} MiB; the largest:{}",
+        declaration.name, static_cast<double>(plan.bytes_peak) / mib, plan.placements.size(),
+        static_cast<double>(plan.bytes_lower_bound) / mib, memory_table(std::move(rows)));
 }
 
 Peak memory_peak(const Plan& plan) {

@@ -160,9 +160,9 @@ TEST(Place, BudgetErrorNamesTheLargest) {
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::device);
         EXPECT_STREQ(error.what(),
-            "[over-budget] graph 'g': its 2 resources need 4.000 MiB, the memory budget is 4.000 "
-            "MiB and this order of passes needs at least 4.000 MiB; shrink, split or raise "
-            "it. The largest:\n"
+            "[over-budget] graph 'g' does not fit into 4.000 MiB; shrink, split or raise them\n"
+            "graph 'g' needs 4.000 MiB for 2 resources, in this order of passes at least 4.000 "
+            "MiB; the largest:\n"
             "       3.000 MiB  large                    kept: used by 'q'; exported (the picture)\n"
             "       1.000 MiB  small                    kept: used from 'p' to 'q'");
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Properties that every plan has, on random graphs.
+#include "framework/graph/shuffle.hpp"
 #include "framework/graph/verify.hpp"
 #include "tests/framework/graph/plan_lines.hpp"
 #include "tests/framework/graph/random_graph.hpp"
@@ -101,6 +102,33 @@ TEST(Random, EqualDeclarationsGiveEqualPlans) {
         };
         ASSERT_EQ(text(), text()) << "seed " << seed;
     }
+}
+
+TEST(Random, ShuffledDeclarationsMeanTheSame) {
+    const auto culled = [](const Plan& plan) {
+        std::vector<bool> flags;
+        for (const Verdict& pass : plan.passes) flags.push_back(pass.culled);
+        return flags;
+    };
+    std::size_t other = 0;
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        RandomGraph random(seed);
+        const Declaration& declaration = random.graph().declaration();
+        std::vector<PassId> order;
+        const Declaration after = shuffled(declaration, seed, order);
+        ASSERT_EQ(after.uses.size(), declaration.uses.size());
+        other += !std::is_sorted(order.begin(), order.end());
+        // Every resource goes through its versions in their order.
+        std::vector<std::uint32_t> version(after.resources.size(), 0);
+        for (const Use& use : after.uses) {
+            ASSERT_EQ(use.version, version[use.resource]) << "seed " << seed;
+            if (use.version_written != kNone) version[use.resource] = use.version_written;
+        }
+        const Plan plan = compile_shuffled(declaration, {}, {}, seed);
+        ASSERT_EQ(violations_text(verify(declaration, plan)), "") << "seed " << seed;
+        EXPECT_EQ(culled(plan), culled(compile(declaration))) << "seed " << seed;
+    }
+    EXPECT_GT(other, 150u);
 }
 
 } // namespace

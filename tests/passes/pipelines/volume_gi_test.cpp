@@ -4,11 +4,13 @@
 #include "framework/graph/explain/explain.hpp"
 #include "passes/pipelines/volume_gi.hpp"
 #include "tests/support/gpu_fixture.hpp"
+#include "tests/support/shuffle.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <span>
 
 namespace ockham::test {
@@ -357,6 +359,25 @@ TEST_F(VolumeGiTest, ImpossibleParametersAreRefusedInWords) {
     after(gi, 1);
     EXPECT_NE(error_of([&] { gi.set_view(view); }), "");
     EXPECT_EQ(gi.steps(), 1u) << "a refused view changes nothing";
+}
+
+TEST_F(VolumeGiTest, TheOrderOfDeclarationChangesNoBit) {
+    VolumeView view = lit();
+    view.surfaces = {{.value = 190, .opacity = 0.5f}};
+    std::size_t other = 0, pictures = 0;
+    for (const VolumeGiParams& p :
+        {params(VolumeMode::caching), params(VolumeMode::caching, false)}) {
+        VolumeGi declared = make(p, view);
+        const Image expected = after(declared, 3);
+        for (unsigned seed = 1; seed <= 2; ++seed, ++pictures) {
+            const Shuffle shuffle(seed);
+            VolumeGi gi = make(p, view);
+            EXPECT_TRUE(equal(after(gi, 3), expected)) << "seed " << seed;
+            other += order_of(gi.executor()) != order_of(declared.executor());
+        }
+    }
+    EXPECT_GE(other, 2u) << "shuffled in vain";
+    std::printf("reliability: order {\"pictures\": %zu, \"other_orders\": %zu}\n", pictures, other);
 }
 
 } // namespace
