@@ -3,6 +3,8 @@
 
 #include "framework/core/error.hpp"
 #include "framework/gpu/device.hpp"
+#include "framework/gpu/transfer.hpp"
+#include "framework/scene/mesh_tree.hpp"
 #include "passes/surface/frame.hpp"
 #include "passes/volume/meshes.hpp"
 
@@ -38,7 +40,8 @@ AdaptiveAaParams checked(const AdaptiveAaParams& params) {
 
 MeshBackground::MeshBackground(
     gpu::Device& device, const LitScene& lit, const AdaptiveAaParams& params)
-    : lit_(lit), params_(checked(params)), max_extent_(device.limits().attachment_extent),
+    : device_(device), lit_(lit), params_(checked(params)),
+      max_extent_(device.limits().attachment_extent),
       frame_buffer_(device, gpu::BufferInfo{.bytes = sizeof(shader::FrameData),
                                 .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
                                 .name = "mesh_frame",
@@ -59,9 +62,39 @@ void MeshBackground::describe(shader::VolumeFrame& frame) const {
     std::copy(std::begin(shown_.order), std::end(shown_.order), std::begin(frame.sample_order));
 }
 
-MeshInputs MeshBackground::declare(Graph& graph, const MediumInputs& medium, Condition new_view) {
+BufferHandle MeshBackground::import_tree(Graph& graph, bool scatters) {
+    if (!scatters) {
+        graph.omit_resource("mesh_tree", "the medium scatters nothing");
+        return {};
+    }
+    if (!tree_buffer_) {
+        const MeshTree tree = build_mesh_tree(lit_.scene());
+        const std::uint64_t limit = device_.limits().storage_bytes;
+        if (tree.bytes() > limit) {
+            fail_device(
+                "meshes: the tree of {} triangles for what the medium scatters takes {} MiB, "
+                "but the device binds {} MiB at a time; use fewer triangles, or --albedo 0",
+                tree.triangles.size(), tree.bytes() >> 20, limit >> 20);
+        }
+        if (tree.nodes.empty()) return {};
+        tree_buffer_.emplace(device_,
+            gpu::BufferInfo{.bytes = tree.bytes(),
+                .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                .name = "mesh_tree"});
+        gpu::Uploader uploader(device_);
+        const auto nodes = std::as_bytes(std::span(tree.nodes));
+        uploader.add(*tree_buffer_, nodes);
+        uploader.add(*tree_buffer_, std::as_bytes(std::span(tree.triangles)), nodes.size());
+        uploader.finish();
+    }
+    return graph.import_buffer("mesh_tree", {tree_buffer_->bytes()}, {});
+}
+
+MeshInputs MeshBackground::declare(
+    Graph& graph, const MediumInputs& medium, bool scatters, Condition new_view) {
     scene_ = lit_.gpu().import(graph);
     frame_ = graph.import_buffer("mesh_frame", {sizeof(shader::FrameData)}, {});
+    tree_ = import_tree(graph, scatters);
     sun_map_ = {};
     if (const gpu::Image* map = lit_.shadow_map()) {
         sun_map_ = graph.import_image("shadow_map",
@@ -92,7 +125,8 @@ MeshInputs MeshBackground::declare(Graph& graph, const MediumInputs& medium, Con
     MeshInputs meshes{.ends = add_mesh_ends(graph, frame_, out.gbuffer, out.labels, shading),
         .radiance = {},
         .picture = add_kept(graph, out.radiance, "meshes"),
-        .sun_map = sun_map_};
+        .sun_map = sun_map_,
+        .tree = tree_};
     meshes.radiance = out.labels
                           ? add_mesh_radiance(graph, shaded, out.labels, out.radiance, shading)
                           : add_kept(graph, out.radiance, "mesh_radiance");
@@ -102,6 +136,7 @@ MeshInputs MeshBackground::declare(Graph& graph, const MediumInputs& medium, Con
 void MeshBackground::bind(Executor& executor) const {
     lit_.gpu().bind(executor, scene_);
     executor.bind(frame_, frame_buffer_);
+    if (tree_) executor.bind(tree_, *tree_buffer_);
     if (sun_map_) executor.bind(sun_map_, *lit_.shadow_map());
 }
 

@@ -20,8 +20,10 @@ public:
     /// What kernels on volumes need to know of it.
     void describe(shader::VolumeFrame& frame) const;
 
-    /// Adds the passes, which run where `new_view` holds. `medium` without meshes.
-    MeshInputs declare(Graph& graph, const MediumInputs& medium, Condition new_view);
+    /// Adds the passes, which run where `new_view` holds. `medium` without meshes; `scatters`: its
+    /// paths meet them. Throws Error(device) where the tree for that is more than a kernel can
+    /// bind.
+    MeshInputs declare(Graph& graph, const MediumInputs& medium, bool scatters, Condition new_view);
     void bind(Executor& executor) const;
 
     /// k of the last declare(), kept between executions, r8ui; empty: every pixel has as many.
@@ -29,13 +31,17 @@ public:
     const AdaptiveAaParams& params() const { return params_; }
 
 private:
+    BufferHandle import_tree(Graph& graph, bool scatters);
+
+    gpu::Device& device_;
     const LitScene& lit_;
     AdaptiveAaParams params_;
     std::uint32_t max_extent_;
     shader::FrameData shown_{};
     gpu::Buffer frame_buffer_;
+    std::optional<gpu::Buffer> tree_buffer_; ///< from the first medium on that scatters
     SceneHandles scene_;
-    BufferHandle frame_;
+    BufferHandle frame_, tree_;
     ImageHandle sun_map_, sample_count_;
 };
 

@@ -56,6 +56,12 @@ CacheChange cache_change(
     return light ? CacheChange::light : surface ? CacheChange::surface : CacheChange::none;
 }
 
+/// Light goes on in other directions than the camera's: surfaces scatter in mode path alone.
+bool scatters(const VolumeView& view, VolumeMode mode) {
+    const bool surfaces = mode == VolumeMode::path && !view.surfaces.empty();
+    return view.max_bounces > 0 && ((view.density_scale > 0 && view.albedo > 0) || surfaces);
+}
+
 CacheChange both(CacheChange a, CacheChange b) {
     if (a == CacheChange::none || a == b) return b;
     return b == CacheChange::none ? a : CacheChange::medium;
@@ -149,7 +155,8 @@ Graph VolumeGi::declare() {
     new_view_ = graph.add_condition("new view");
     restart_ = graph.add_condition("new picture");
     declare_majorants(graph);
-    if (meshes_) medium_.meshes = meshes_->declare(graph, medium_, new_view_);
+    if (meshes_)
+        medium_.meshes = meshes_->declare(graph, medium_, scatters(view_, params_.mode), new_view_);
     cache_.reset();
     composed_.reset();
     if (caching()) {
@@ -168,6 +175,7 @@ Graph VolumeGi::declare() {
         for (const char* pass : {"gbuffer", "first_sample", "metrics", "buckets", "shade",
                  "resolve", "mesh_ends", "mesh_radiance", "over_meshes"})
             graph.omit_pass(pass, params_.no_meshes);
+        graph.omit_resource("mesh_tree", params_.no_meshes);
     }
     graph.export_resource(radiance_, "the picture");
     declare_captures(graph);
@@ -315,13 +323,15 @@ void VolumeGi::set_camera(const Camera& camera) {
 void VolumeGi::set_view(const VolumeView& view) {
     shader::VolumeFrame before, after;
     std::memcpy(&before, frame_.mapped().data(), sizeof(before));
+    const bool scattered = scatters(view_, params_.mode);
     show(view, camera_);
     std::memcpy(&after, frame_.mapped().data(), sizeof(after));
     const CacheChange change = cache_change(before, after, params_.iso_occlusion);
     pending_.picture = true;
     pending_.cache = both(pending_.cache, change);
     const bool other_graph = (before.surface_count == 0) != (after.surface_count == 0) ||
-                             (caching() && (before.phase_g == 0) != (after.phase_g == 0));
+                             (caching() && (before.phase_g == 0) != (after.phase_g == 0)) ||
+                             (meshes_ && scatters(view_, params_.mode) != scattered);
     const bool other_size =
         caching() &&
         (change == CacheChange::medium || (change == CacheChange::surface && !cache_->hold_solid));

@@ -193,6 +193,7 @@ void add_trace(Graph& graph, const MediumInputs& medium, const shader::CachePush
     pass.because("light that arrives in the cells, a dispatch per number of paths");
     read_medium(pass, medium);
     read_meshes(pass, medium, false);
+    read_mesh_tree(pass, medium);
     pass.read("bucket_table", buckets.table)
         .read("pixel_list", buckets.list)
         .indirect(buckets.arguments);
@@ -201,7 +202,7 @@ void add_trace(Graph& graph, const MediumInputs& medium, const shader::CachePush
     set.paths = pass.read_write("cache_paths", set.paths);
     const std::string kernel =
         mesh_variant(medium_variant("volume/cache_trace.comp", "", medium), medium);
-    pass.record([push, kernel, specialization = medium_specialization(medium),
+    pass.record([push, kernel, specialization = path_specialization(medium),
                     arguments = buckets.arguments](Commands& commands) {
         // The dearest cells first: what is left over at the end of a dispatch is then cheap.
         shader::CachePush one = push;
@@ -297,7 +298,7 @@ Cache add_cache(Graph& graph, const MediumInputs& inputs, const CacheParams& par
     validate(params);
     MediumInputs medium = inputs;
     medium.surfaces = inputs.surfaces && params.occlusion;
-    if (!medium.meshes.sun_map) medium.meshes = {}; // its paths see no more of them
+    if (!medium.meshes.sun_map && !medium.meshes.tree) medium.meshes = {}; // paths see no others
     const shader::CachePush push = push_of(medium, params);
     Cache out;
     out.layout = graph.add_condition("cache_layout");

@@ -42,6 +42,18 @@ void read_meshes(PassBuilder& pass, const MediumInputs& in, bool camera) {
     pass.sample("sun_map", in.meshes.sun_map ? in.meshes.sun_map : in.meshes.picture);
 }
 
+void read_mesh_tree(PassBuilder& pass, const MediumInputs& in) {
+    if (!in.meshes.ends) return;
+    const BufferHandle tree = in.meshes.tree ? in.meshes.tree : in.handles.transfer;
+    pass.read("mesh_tree", tree).read("mesh_links", tree);
+}
+
+Specialization path_specialization(const MediumInputs& in) {
+    Specialization out = medium_specialization(in);
+    if (in.meshes.ends) out.emplace_back(SPEC_MESH_TREE, bool(in.meshes.tree));
+    return out;
+}
+
 std::string mesh_variant(std::string variant, const MediumInputs& in) {
     if (!in.meshes.ends) return variant;
     return variant + (variant.find(':') == std::string::npos ? ":meshes" : ",meshes");

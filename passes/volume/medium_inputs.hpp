@@ -18,6 +18,7 @@ struct MeshInputs {
     ImageHandle radiance; ///< add_mesh_radiance()
     ImageHandle picture;  ///< of the meshes alone, kept
     ImageHandle sun_map;  ///< add_shadow_map(), of VolumeFrame::sun_projection
+    BufferHandle tree;    ///< MeshTree, nodes and triangles; empty: nothing scatters
 };
 
 struct MediumInputs {
@@ -53,6 +54,9 @@ Specialization medium_specialization(const MediumInputs& in);
 /// a camera are followed. mesh_variant() adds the feature to a name by medium_variant().
 void read_meshes(PassBuilder& pass, const MediumInputs& in, bool camera);
 std::string mesh_variant(std::string variant, const MediumInputs& in);
+/// For kernels that follow paths: what shaders/volume/mesh_tree.glsl reads besides, and constants.
+void read_mesh_tree(PassBuilder& pass, const MediumInputs& in);
+Specialization path_specialization(const MediumInputs& in);
 
 /// Declares what shaders/volume/transmittance.glsl reads. It is there once, with and without
 /// majorants and isosurfaces: what its constants switch off is bound to something else.

@@ -65,7 +65,7 @@ void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& para
     std::uint32_t samples, const PathCache& cache, PathTrace& out, std::vector<Band>& bands) {
     const std::string shader =
         mesh_variant(medium_variant("volume/path_trace.comp", name_of(params.mode), in), in);
-    const Specialization constants = medium_specialization(in);
+    const Specialization constants = path_specialization(in);
     for (std::size_t i = 0; i < bands.size(); ++i) {
         Band& band = bands[i];
         std::string name = samples > 0 ? "path_trace" : "path_drain";
@@ -75,6 +75,7 @@ void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& para
                                  : "finishes the paths that have begun");
         read_medium(pass, in);
         read_meshes(pass, in, true);
+        read_mesh_tree(pass, in);
         if (params.mode == PathMode::gather)
             pass.read("cache_index", cache.index).read("cache_cells", cache.cells);
         out.sum = pass.read_write("sum", out.sum);

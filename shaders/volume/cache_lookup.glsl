@@ -8,16 +8,11 @@
 #ifndef OCKHAM_VOLUME_CACHE_LOOKUP_GLSL
 #define OCKHAM_VOLUME_CACHE_LOOKUP_GLSL
 
+#include "include/shared_exponent.glsl"
 #include "volume/cache_geometry.glsl"
 
 layout(scalar, binding = 8) readonly buffer CacheIndex { CacheHeader header; uint words[]; } cache_index;
 layout(scalar, binding = 9) readonly buffer CacheCells { uint words[]; } cache_cells;
-
-/// EXT_texture_shared_exponent: three mantissas of 9 bits, an exponent of 5.
-vec3 unpack_rgb9e5(uint word) {
-    float scale = uintBitsToFloat((word >> 27u) + 127u - 24u << 23u);
-    return vec3(word & 511u, word >> 9u & 511u, word >> 18u & 511u) * scale;
-}
 
 /// The stored cell at a slot. False: it has no value yet. `flow`: F over the luminance of phi.
 bool read_cache_cell(uint slot, out vec3 phi, out vec3 flow) {

@@ -5,8 +5,8 @@
 //   L - L_mesh = L_medium - (1 - T) L_mesh
 //   reads mesh_ends, mesh_radiance (not CELLS): where camera rays meet meshes, and what they see there
 //   reads sun_map: how far the sun reaches
-// What scatters goes through meshes: they end camera rays and stop the sun. Include after
-// volume/medium.glsl.
+// Here they end camera rays and stop the sun; what has been scattered meets them in volume/mesh_tree.glsl.
+// Include after volume/medium.glsl.
 #ifndef OCKHAM_VOLUME_MESHES_GLSL
 #define OCKHAM_VOLUME_MESHES_GLSL
 
@@ -46,6 +46,15 @@ float sun_reaches(vec3 world) {
     bool beside = any(greaterThan(abs(p.xy), vec2(1.0)));
     float share = sun_map_share(sun_map, vec3(p.xy, max(p.z, 0.0)));
     return beside ? 1.0 : share;
+}
+
+/// Where to ask that of a point on a surface, which stands in its own way in the texels that it
+/// shares with others. `cosine`: of the angle between its normal and the sun.
+vec3 sun_side(vec3 world, vec3 normal, float cosine) {
+    mat4 p = constants.sun_projection; // the rows of x and y are 2 / (size of the map in the world) long
+    float across = min(length(vec3(p[0].x, p[1].x, p[2].x)), length(vec3(p[0].y, p[1].y, p[2].y)));
+    float texel = 2.0 / (across * float(textureSize(sun_map, 0).x));
+    return world + texel * (0.5 + 2.0 * sqrt(max(1.0 - cosine * cosine, 0.0))) * normal;
 }
 
 #endif

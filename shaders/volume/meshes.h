@@ -16,6 +16,7 @@ struct OverMeshesPush {
 #define SPEC_SUN_MAP 32         // bool: the sun casts shadows
 #define SPEC_MEDIUM_GRID 33     // bool: there are majorants, not one extinction everywhere
 #define SPEC_MEDIUM_SURFACES 34 // bool: there are isosurfaces
+#define SPEC_MESH_TREE 35       // bool: flights that have been scattered meet meshes
 
 OCKHAM_SHARED_END
 

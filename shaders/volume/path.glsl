@@ -8,7 +8,8 @@
 //               scattering, surfaces are black
 //   GATHER      as NONCACHING, but in-scattering at the second collision is read from the cache
 //   CELLS       mean radiance that arrives at a point; surfaces are black
-// With MESHES, camera rays end on meshes and background, with 0: these have a picture of their own.
+// With MESHES, camera rays end on meshes and background, with 0: these have a picture of their own. All
+// other flights meet the triangles of volume/mesh_tree.glsl (SPEC_MESH_TREE), which scatter evenly.
 // advance() is one iteration of one flat loop over the stages of all samples:
 //   Path path = begin_camera_path(...);  Tracker tracker = resume(path);
 //   while (path.stage != PATH_ENDED && budget > 0u) advance(path, tracker, budget);
@@ -31,7 +32,11 @@
 #include "volume/cache_lookup.glsl"
 #endif
 #ifdef MESHES
+#include "volume/mesh_tree.glsl"
 #include "volume/meshes.glsl"
+
+layout(constant_id = SPEC_MESH_TREE) const bool kMeshTree = true; // else other buffers stand in for it
+const uint kLongPath = 1024u; // scatterings from which on meshes end paths by chance
 #endif
 
 const float kRouletteThroughput = 0.25; // paths below it live on by chance
@@ -60,6 +65,9 @@ const uint kAdvanceIterations = 1u + kStride * (1u + kFlightCells) + MAX_CLIP_PL
 #ifdef GATHER
     + kLookupIterations
 #endif
+#ifdef MESHES
+    + (kMeshTree ? kMeshIterations : 0u)
+#endif
     ;
 
 /// What follows from a path and the frame: how its present ray goes through the box.
@@ -83,11 +91,16 @@ vec4 draw(Path path, uint set) {
     Random random = Random(path.random.x, path.random.y, path.random.z, first + 2u * path.bounces + set);
     return next4(random);
 }
-vec4 draw_light(Path path) {
+/// Light that a path samples at `position`, as far as meshes let it through.
+LightSample light_at(Path path, vec3 position) {
 #ifdef ENVIRONMENT_MAP
-    return draw(path, SET_LIGHT);
+    return sample_light(draw(path, SET_LIGHT));
 #else
-    return vec4(0.0);
+    LightSample light = sample_light(vec4(0.0));
+#ifdef MESHES
+    light.radiance *= sun_reaches(position);
+#endif
+    return light;
 #endif
 }
 vec4 draw_step(inout Path path) {
@@ -162,9 +175,6 @@ void depart(inout Path path) {
 void leave(inout Path path, vec3 position, LightSample light, vec3 scattered, float pdf, uint next) {
     float weight = light.pdf > 0.0 ? light.pdf / (light.pdf + pdf) : 1.0;
     path.pending = scattered * light.radiance * weight;
-#ifdef MESHES
-    path.pending *= sun_reaches(position); // the only light that is sampled
-#endif
     path.to_light = light.direction;
     path.transmittance = 1.0;
     path.origin = position;
@@ -200,7 +210,7 @@ void meet_medium(inout Path path, vec3 position, Medium medium, float xi) {
         return;
     }
 #endif
-    LightSample light = sample_light(draw_light(path));
+    LightSample light = light_at(path, position);
     float towards = phase(constants.phase_g, dot(path.direction, light.direction));
     vec3 scattered = path.throughput * towards;
     play_roulette(path, xi);
@@ -218,7 +228,7 @@ void meet_surface(inout Path path, SurfaceHit hit, float xi) {
     ++path.bounces;
     if (path.bounces > constants.max_bounces) path.throughput = vec3(0.0);
     IsoMaterial material = frame.data.surfaces[hit.surface].material;
-    LightSample light = sample_light(draw_light(path));
+    LightSample light = light_at(path, position);
     vec3 scattered =
         path.throughput * evaluate_iso(material, constants.shading, normal, view, light.direction);
     float pdf = light.pdf > 0.0 ? pdf_iso(material, constants.shading, normal, view, light.direction) : 0.0;
@@ -235,6 +245,9 @@ void meet_surface(inout Path path, SurfaceHit hit, float xi) {
         path.throughput *= constants.surface_gain;
         path.radiance += path.throughput * reflected_environment(hit);
         vec3 scattered = path.throughput * reflected_light(hit, view);
+#ifdef MESHES
+        scattered *= sun_reaches(position);
+#endif
         path.throughput = vec3(0.0);
         ++path.bounces;
         leave(path, position, LightSample(-constants.light_direction, vec3(1.0), 0.0), scattered, 0.0,
@@ -245,6 +258,34 @@ void meet_surface(inout Path path, SurfaceHit hit, float xi) {
 }
 #endif
 
+#ifdef MESHES
+/// A flight meets a triangle, which scatters evenly on the side that is met. xi: uniform.
+void meet_mesh(inout Path path, MeshSearch search, vec2 xi) {
+    MeshHit hit = mesh_hit(search, path.origin, path.direction);
+    path.radiance += path.throughput * hit.emitted;
+    path.throughput *= hit.albedo;
+    ++path.bounces;
+    if (path.bounces > constants.max_bounces) path.throughput = vec3(0.0);
+    float cosine = max(dot(hit.normal, -constants.light_direction), 0.0);
+    LightSample light = light_at(path, sun_side(hit.position, hit.normal, cosine));
+    vec3 scattered = path.throughput * (cosine / 3.14159265);
+
+    vec4 turn = draw(path, SET_DIRECTION);
+    vec3 tangent, bitangent;
+    basis_around(hit.normal, tangent, bitangent);
+    float azimuth = 6.28318531 * turn.y;
+    path.direction = normalize(sqrt(turn.x) * (cos(azimuth) * tangent + sin(azimuth) * bitangent) +
+        sqrt(1.0 - turn.x) * hit.normal);
+    path.pdf = -1.0;
+    path.depth = depth_of(turn.z);
+    path.chance = turn.w;
+    // In a white room that nothing leaves, paths have to end as well.
+    if (path.bounces > kLongPath) path.throughput *= xi.y < 0.9 ? 1.0 / 0.9 : 0.0;
+    play_roulette(path, xi.x);
+    leave(path, hit.position, light, scattered, 0.0, PATH_FLIGHT);
+}
+#endif
+
 #ifdef CELLS
 /// Mean incident radiance at a point of the box: as after a collision that scatters evenly and
 /// absorbs nothing. Counts as a scattering. Inside an opaque solid it has ended, with 0.
@@ -252,7 +293,7 @@ Path begin_cell_path(vec3 position, Random random) {
     Path path = begin_path(position, PATH_SCATTER, random);
     path.bounces = 1u;
     depart(path);
-    LightSample light = sample_light(draw_light(path));
+    LightSample light = light_at(path, position);
     leave(path, position, light, vec3(path.pdf), path.pdf, PATH_FLIGHT);
     bool inside = constants.max_bounces > 0u;
 #ifdef SURFACES
@@ -296,11 +337,12 @@ bool set_out(inout Path path, inout Tracker tracker, vec3 direction) {
     tracker.ready = true;
 #ifdef SURFACES
     tracker.hit.surface = kNoSurface;
-    float from = path.search < 0.0 ? near : path.search;
+    bool enters = path.search < near || path.search < 0.0; // a solid may begin right there
+    float from = max(path.search, near);
     if (from < far) {
         uint slice = kSearchSlice;
-        bool found = find_surface(path.origin, direction, from, far, path.search < 0.0, entry_normal,
-            slice, tracker.hit);
+        bool found =
+            find_surface(path.origin, direction, from, far, enters, entry_normal, slice, tracker.hit);
         if (!found && tracker.hit.t < far) { // the slice is used up
             path.search = tracker.hit.t;
             tracker.ready = false;
@@ -311,14 +353,25 @@ bool set_out(inout Path path, inout Tracker tracker, vec3 direction) {
     return tracker.ready;
 }
 
-/// Goes on with a path that has not ended: where its ray leads, if that is not known, then some steps
-/// along it, then what happens there. All lanes do one after the other together.
-void advance(inout Path path, inout Tracker tracker, inout uint budget) {
-    budget -= min(budget, kAdvanceIterations);
-    if (path.stage == PATH_CAMERA || path.stage == PATH_SCATTER) depart(path);
-    bool shadow = path.stage >= PATH_SHADOW;
+/// Where a flight ends.
+struct Meeting {
+    uint what;   // MEETS_*
+    float value; // of the field: the medium
+    float xi;    // uniform: the medium and surfaces
+#ifdef SURFACES
+    SurfaceHit hit;
+#endif
+};
+#define MEETS_NOTHING 0u
+#define MEETS_MEDIUM 1u
+#define MEETS_SURFACE 2u
+#define MEETS_MESH 3u
+
+/// Goes on with the present ray: where it leads, if that is not known, then some steps along it. True:
+/// it has ended, a flight at `met`, a shadow ray with the path's transmittance.
+bool travel(inout Path path, inout Tracker tracker, bool shadow, out Meeting met) {
     vec3 direction = shadow ? path.to_light : path.direction;
-    if (!tracker.ready && !set_out(path, tracker, direction)) return;
+    if (!tracker.ready && !set_out(path, tracker, direction)) return false;
 
     float value = 0.0, chance = 1.0; // of the field, and that the collision is real
     bool collided = false, arrived = false; // for real; at a surface or where the medium ends
@@ -340,36 +393,99 @@ void advance(inout Path path, inout Tracker tracker, inout uint budget) {
         }
         arrived = !tentative && path.t >= tracker.flight.limit;
     }
-    if (!collided && !arrived) return;
+    if (!collided && !arrived) return false;
     tracker.ready = false;
-
+    met.what = collided ? MEETS_MEDIUM : MEETS_NOTHING;
+    met.value = value;
+    met.xi = path.chance / chance;
 #ifdef SURFACES
+    met.hit = tracker.hit;
     if (arrived && tracker.hit.surface != kNoSurface) {
         float opacity = frame.data.surfaces[tracker.hit.surface].opacity;
         vec4 xi = draw_step(path);
         if (shadow) path.transmittance *= 1.0 - opacity;
-        collided = shadow ? path.transmittance == 0.0 : xi.x < opacity;
-        if (!shadow && collided) {
-            meet_surface(path, tracker.hit, xi.y);
-            return;
-        }
-        if (!collided) { // goes on behind it
+        met.what = MEETS_SURFACE;
+        met.xi = xi.y;
+        if (shadow ? path.transmittance > 0.0 : xi.x >= opacity) { // goes on behind it
             path.search = tracker.hit.t + beyond_hit();
 #ifdef GRID
             path.cell = pack_cell(tracker.flight.walk);
 #endif
-            return;
+            return false;
         }
     }
+#endif
+    return true;
+}
+
+#ifdef MESHES
+/// Keeps where a flight ends while meshes before it are looked for: PATH_MEETING. What it overwrites
+/// is of shadow rays, of the way there, and drawn anew for every flight.
+void hold(inout Path path, Meeting met) {
+    if (met.what == MEETS_NOTHING) path.t = kInfinity;
+    path.stage = PATH_MEETING | met.what;
+    path.chance = met.xi;
+#ifdef SURFACES
+    path.pending = met.hit.normal;
+    path.to_light = vec3(uintBitsToFloat(met.hit.surface), met.hit.cut ? 1.0 : 0.0, 0.0);
+#endif
+    MeshSearch search = begin_mesh_search(path.t);
+    path.cell = search.row;
+    path.transmittance = search.t;
+    path.depth = uintBitsToFloat(search.triangle);
+}
+
+/// Looks for meshes before the end of a flight. False: not everywhere yet. `met`: what is first.
+bool look_for_meshes(inout Path path, out Meeting met, out MeshSearch search) {
+    search = MeshSearch(path.cell, path.transmittance, floatBitsToUint(path.depth));
+    bool ended = search_meshes(search, path.origin, path.direction, path.random);
+    path.cell = search.row;
+    path.transmittance = search.t;
+    path.depth = uintBitsToFloat(search.triangle);
+    met.what = search.triangle != MESH_END ? MEETS_MESH : path.stage & ~PATH_MEETING;
+    met.xi = path.chance;
+    vec3 direction = unit_from_world_direction(path.direction);
+    met.value = field(unit_from_world(path.origin) + min(path.t, 1e9) * direction);
+#ifdef SURFACES
+    met.hit = SurfaceHit(path.t, floatBitsToUint(path.to_light.x), path.pending, path.to_light.y > 0.0);
+#endif
+    return ended;
+}
+#endif
+
+/// Goes on with a path that has not ended: along its present ray, then with what happens at its end.
+/// All lanes do one after the other together.
+void advance(inout Path path, inout Tracker tracker, inout uint budget) {
+    budget -= min(budget, kAdvanceIterations);
+    if (path.stage == PATH_CAMERA || path.stage == PATH_SCATTER) depart(path);
+    bool shadow = (path.stage & PATH_SHADOW) != 0u;
+    Meeting met;
+#ifdef MESHES
+    if (path.stage < PATH_MEETING) {
+        if (!travel(path, tracker, shadow, met)) return;
+        bool camera = path.bounces == 0u; // whose meshes are in the way already
+        if (kMeshTree && !shadow && !camera) hold(path, met);
+    }
+    MeshSearch search;
+    if (path.stage >= PATH_MEETING && !look_for_meshes(path, met, search)) return;
+#else
+    if (!travel(path, tracker, shadow, met)) return;
 #endif
     if (shadow) {
         path.radiance += path.pending * path.transmittance;
         path.stage -= PATH_SHADOW;
         path.t = -1.0;
         path.search = 0.0;
-    } else if (collided) {
-        vec3 position = path.origin + path.t * path.direction;
-        meet_medium(path, position, medium_of(value), path.chance / chance);
+    } else if (met.what == MEETS_MEDIUM) {
+        meet_medium(path, path.origin + path.t * path.direction, medium_of(met.value), met.xi);
+#ifdef SURFACES
+    } else if (met.what == MEETS_SURFACE) {
+        meet_surface(path, met.hit, met.xi);
+#endif
+#ifdef MESHES
+    } else if (met.what == MEETS_MESH) {
+        meet_mesh(path, search, draw_step(path).xy);
+#endif
     } else {
         vec3 arriving = escaped_radiance(path.direction, path.pdf);
 #if defined(MESHES) && !defined(CELLS)

@@ -14,6 +14,7 @@ OCKHAM_SHARED_BEGIN
 #define PATH_SCATTER 2u // is about to leave a collision in the medium
 #define PATH_CAMERA 3u  // is about to leave the camera
 #define PATH_SHADOW 4u  // with FLIGHT or SCATTER, before it: how much light arrives at the collision
+#define PATH_MEETING 8u // with MEETS_* of volume/path.glsl: what ends the flight is known, but for meshes
 
 struct Path {
     vec3 radiance;       ///< estimate so far
