@@ -325,14 +325,19 @@ public:
         Wipe wipe{.title = scene_ + ".",
             .caption = "Move over the picture; choose what stands on either side, or look at the "
                        "errors against all 4 × 4 samples."};
-        const auto add = [&](const char* series, const char* legend) {
+        const auto pictures_of = [&](const char* series) {
             const Point* point = shown(points_, scene_, series);
-            if (point == nullptr) return;
-            const auto& pictures = store.repeats(*point->job).front().pictures;
+            return point == nullptr ? std::map<std::string, std::string>()
+                                    : store.repeats(*point->job).front().pictures;
+        };
+        const std::string all = pictures_of("ssaa")["picture"];
+        const auto add = [&](const char* series, const char* legend) {
+            const auto pictures = pictures_of(series);
             if (!pictures.contains("picture")) return;
             wipe.sides.push_back({.label = legend,
                 .picture = pictures.at("picture"),
-                .error_map = pictures.at("error")});
+                .error_map = pictures.at("error"),
+                .reference = all});
         };
         add("ockham", "adaptive");
         add("none", "one sample");

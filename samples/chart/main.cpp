@@ -113,6 +113,10 @@ int run(int argc, char** argv) {
     add("target-ms", &o.target_ms, "suite aa: mark the best that takes so long; 0: none")
         .range(0, 1e9)
         .unit("ms");
+    add("ffmpeg", &o.ffmpeg, "an FFmpeg with libvmaf, for VMAF; none: $OCKHAM_FFMPEG, else ffmpeg");
+    add("vmaf-model", &o.vmaf_model,
+        "model of VMAF, .json or .pkl; none: $OCKHAM_VMAF_MODEL, else libvmaf's own");
+    add("onnx", &o.onnx, "network that compares two pictures, such as LPIPS; none: not measured");
     add("quick", &o.quick, "small pictures and few settings");
     add("repeats", &o.repeats, "executions of each setting").range(1, 1000);
     o.common.width = 512, o.common.height = 384;
@@ -136,6 +140,7 @@ int run(int argc, char** argv) {
     Manifest manifest{{"command", command_text(argc, argv)},
         {"program", fmt::format("Ockham {}, commit {}", version(), commit())},
         {"processor", cpu_name()}};
+    for (const auto& line : context.metrics().manifest()) manifest.push_back(line);
     const std::vector<std::unique_ptr<Suite>> suites = make_suites(names, context, manifest);
     for (const auto& suite : suites)
         (void)suite->jobs(); // refuses bad input before a folder is made
@@ -155,6 +160,8 @@ int run(int argc, char** argv) {
     for (const auto& suite : suites) {
         const std::vector<Job> jobs = suite->jobs();
         sections.push_back(suite->report(store, points_of(store, jobs)));
+        if (auto table = context.metrics().table(suite->name(), sections.back().wipes))
+            sections.back().tables.push_back(std::move(*table));
     }
     write_page(o.out, "Speed against accuracy", sections, manifest);
     fmt::print("{}\n", (o.out / "index.html").string());

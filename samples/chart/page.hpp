@@ -27,6 +27,7 @@ struct Wipe {
         std::string label;
         std::filesystem::path picture;     ///< PNG, relative to the store's folder
         std::filesystem::path error_map{}; ///< likewise; empty: none
+        std::filesystem::path reference{}; ///< likewise: what the picture should be; empty: unknown
     };
     std::string title;
     std::vector<Side> sides{}; ///< the first two are shown first

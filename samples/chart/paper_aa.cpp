@@ -378,11 +378,14 @@ Wipe PaperAa::wipe(const Store& store, const std::string& series, const std::str
     for (const Job& one : jobs_) {
         if (one.series != series || store.repeats(one).empty()) continue;
         const auto& pictures = store.repeats(one).front().pictures;
+        const auto reference = pictures.find("reference");
         for (const auto& [label, name] : sides) {
             const auto picture = pictures.find(name), error = pictures.find(name + "_error");
             if (picture == pictures.end()) continue;
-            wipe.sides.push_back(
-                {label, picture->second, error == pictures.end() ? std::string() : error->second});
+            wipe.sides.push_back({label, picture->second, {}});
+            if (error == pictures.end()) continue;
+            wipe.sides.back().error_map = error->second;
+            wipe.sides.back().reference = reference->second;
         }
     }
     return wipe;

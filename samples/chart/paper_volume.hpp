@@ -11,10 +11,24 @@
 
 namespace ockham::chart {
 
+/// Rows of table 1: voxels along a cell, and two of this program's own formats.
+struct CacheKind {
+    std::uint32_t scale;
+    CacheFormat format;
+    const char* title;
+};
+inline constexpr CacheKind kCaches[] = {{1, CacheFormat::fp32, "1, 32-bit"},
+    {1, CacheFormat::fp16, "1, 16-bit"}, {2, CacheFormat::fp32, "2, 32-bit"},
+    {4, CacheFormat::fp32, "4, 32-bit"}, {2, CacheFormat::fp16, "2, 16-bit (default here)"},
+    {2, CacheFormat::rgb9e5, "2, shared exponent"}};
+
+inline constexpr const char* kPaperShadings[] = {"lambert", "phong", "disney"};
+
 class PaperVolume {
 public:
     /// Adds its jobs; `context` and `list` must outlive this object.
     PaperVolume(Context& context, JobList& list);
+    /// In paper_volume_report.cpp.
     void report(const Store& store, const std::vector<Point>& points, Section& section) const;
 
 private:
@@ -27,6 +41,9 @@ private:
     std::vector<Row> frame_rates(const VolumeScene& scene);
     std::vector<Row> memory(const VolumeScene& scene);
     std::vector<Plot> convergence_plots(const std::vector<Point>& points) const;
+    std::vector<Plot> metric_plots(const Store& store, const std::vector<Point>& points) const;
+    std::map<std::string, std::string> pictures_of(
+        const Store& store, const std::string& series) const;
     Table cache_table(const std::vector<Point>& points) const;
     Table speed_table(const std::vector<Point>& points) const;
     Table memory_table(const std::vector<Point>& points) const;

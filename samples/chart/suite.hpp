@@ -7,6 +7,7 @@
 #include "framework/app/cli.hpp"
 #include "framework/core/image.hpp"
 #include "samples/chart/page.hpp"
+#include "samples/chart/picture_metrics.hpp"
 #include "samples/chart/store.hpp"
 
 #include <memory>
@@ -22,6 +23,7 @@ struct ChartOptions {
     std::vector<std::string> volumes; ///< likewise
     std::string rig;                  ///< of scenes that are files; empty: their own
     std::filesystem::path out;
+    std::string ffmpeg, vmaf_model, onnx; ///< of picture_metrics.hpp; empty: what there is
     float target_psnr = 0, target_ms = 0; ///< > 0: what they would choose is marked
     int repeats = 5;
     bool quick = false; ///< small pictures, few settings: all suites together in 20 minutes
@@ -30,9 +32,10 @@ struct ChartOptions {
 /// Options, and the device, which is made when a suite first asks for it.
 class Context {
 public:
-    explicit Context(ChartOptions asked) : options(std::move(asked)) {}
+    explicit Context(ChartOptions asked) : options(std::move(asked)), metrics_(options) {}
 
     const ChartOptions options;
+    PictureMetrics& metrics() { return metrics_; }
     gpu::Device& device();
     bool has_device() const { return device_ != nullptr; }
     /// Device and driver, for Job::inputs of what runs on it.
@@ -41,6 +44,7 @@ public:
     std::string device_name() const;
 
 private:
+    PictureMetrics metrics_;
     std::unique_ptr<gpu::Device> device_;
 };
 

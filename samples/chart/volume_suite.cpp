@@ -324,6 +324,17 @@ Wipe VolumeSuite::wipe(const Store& store, const VolumeScene& scene) const {
         const std::vector<Repeat>& repeats = store.repeats(job);
         if (repeats.empty() || !repeats.front().pictures.contains("picture")) continue;
         const auto& pictures = repeats.front().pictures;
+    // As add_run() compares them.
+    const auto picture_of = [&](const std::string& series) {
+        for (const Wipe::Side& side : wipe.sides)
+            if (side.label.starts_with(series)) return side.picture;
+        return std::filesystem::path();
+    };
+    const std::filesystem::path path = picture_of("reference, path"),
+                                local = picture_of("reference, noncaching");
+    for (Wipe::Side& side : wipe.sides)
+        if (!side.label.starts_with("reference") && side.label.find(", ") == std::string::npos)
+            side.reference = side.label == "path" || local.empty() ? path : local;
         const auto error = pictures.find("error");
         wipe.sides.push_back({job.series, pictures.at("picture"),
             error == pictures.end() ? std::string() : error->second});

@@ -54,6 +54,8 @@ TEST_F(ChartProgramTest, WithoutGnuplotNumbersAreWrittenAndOneMessageSaysSo) {
     EXPECT_GT(lines("d/graph_heap.csv"), 5u);
     EXPECT_TRUE(std::filesystem::exists(folder / "d/index.html"));
     EXPECT_FALSE(std::filesystem::exists(folder / "d/graph_heap.svg"));
+    const std::string page = read_text(folder / "d/index.html");
+    EXPECT_NE(page.find("VMAF: there is no program"), std::string::npos) << "nor is FFmpeg";
 }
 
 TEST_F(ChartProgramTest, RefusesWhatItDoesNotKnow) {
@@ -64,12 +66,23 @@ TEST_F(ChartProgramTest, RefusesWhatItDoesNotKnow) {
     expect_error("--suite aa --scenes no/such.glb --quick --out d", 2, {"no/such.glb"});
     expect_error("--suite graph --out /proc/no/such", 2, {"/proc/no/such"});
     expect_error("--suite graph --nonsense 1 --out d", 2, {"--nonsense"});
+    expect_error("--suite graph --ffmpeg no/such --out d", 2, {"VMAF", "no/such"});
+    expect_error("--suite graph --onnx no/such.onnx --out d", 2, {"no"});
 }
 
 TEST_F(ChartProgramTest, AntiAliasingHasEveryCurveOnATinyPicture) {
+    // What stands for an FFmpeg scores all pictures alike.
+    write_text(folder / "ffmpeg",
+        "#!/bin/sh\nif [ \"$2\" = -h ]; then echo ' model  <string>'; exit; fi\n"
+        "echo '{\"version\":\"1.2\",\"frames\":[{\"metrics\":{\"vmaf\":61.5}}]}' > log.json\n");
+    std::filesystem::permissions(folder / "ffmpeg", std::filesystem::perms::owner_all);
     const Result result = run("--suite aa --scenes builtin:plane --quick --repeats 1 --width 24 "
-                              "--height 16 --out d");
+                              "--height 16 --out d --ffmpeg ./ffmpeg");
     ASSERT_EQ(result.exit_code, 0) << result.text;
+    const std::string metrics = read_text(folder / "d/aa_metrics.csv");
+    EXPECT_NE(metrics.find("VMAF (its own model, libvmaf 1.2)"), std::string::npos) << metrics;
+    EXPECT_NE(metrics.find("one sample,61.5"), std::string::npos) << metrics;
+    EXPECT_EQ(lines("d/aa_metrics.csv"), 12u) << "a heading, eleven pictures";
     const std::string samples = read_text(folder / "d/aa_plane_samples.csv");
     for (const char* legend :
         {"adaptive", "paper's metrics", "uniform k", "MSAA", "one a surface", "SRAA", "FXAA",
