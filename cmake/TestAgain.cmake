@@ -3,7 +3,7 @@
 # calls it. What is left out is named here, with the reason.
 #   SwiftShader.<test>, label swiftshader: on a second driver, where test.cmake has unpacked one
 #   GpuAssisted.<test>, label gpu_assisted: with instrumented shaders, which report what they do
-#     out of bounds; every kernel once
+#     out of bounds; a few tests (EveryKernel, at night, has all kernels)
 
 # Tests that cannot pass on SwiftShader, or take too long.
 set(OCKHAM_NOT_ON_SWIFTSHADER
@@ -37,12 +37,14 @@ set(OCKHAM_NOT_ON_SWIFTSHADER
   # Budgets of loop iterations are lavapipe's need; the same kernels over and over take 40 to 65 s each.
   # VolumeGiTest.TheBudgetOfIterationsChangesNothing remains.
   CacheTest.TheLoopBudgetAndTheBlocksChangeNothing PathTraceTest.BudgetsChangeNoBit*
+  # Plans do not depend on the driver.
+  AdaptiveAaTest.TheOrderOfDeclarationChangesNoBit VolumeGiTest.TheOrderOfDeclarationChangesNoBit
   # A graph for each size of tiles, 42 s; TheDefaultMetricSeesAcrossTheirBorders remains.
   TilesTest.MakeTheSamePictureBitByBit
   # An access out of bounds ends the process before the layer reads what was found.
   GpuAssistedTest.AccessBeyondABufferIsReported)
 
-# Tests that together run every kernel of shaders/ at a small size.
+# Tests of surfaces that together run most of their kernels at a small size.
 set(OCKHAM_GPU_ASSISTED
   GpuAssistedTest.* BucketsTest.* GbufferTest.* MetricsTest.* ResolveTest.* SurfaceAovTest.*
   ShadowMapTest.HolesOfAMaskLetTheSunThrough
@@ -66,10 +68,14 @@ set(OCKHAM_ON_SWIFTSHADER
 
 # ockham_discover_tests(<target> <name> <labels> <environment> [arguments of gtest_discover_tests...])
 # Registers the tests of the target as the list <name>. Labels and environment are lists, which do
-# not get through PROPERTIES there.
+# not get through PROPERTIES there. A test may take 300 s, at night an hour.
 function(ockham_discover_tests target name labels environment)
+  set(timeout 300)
+  if("nightly" IN_LIST labels)
+    set(timeout 3600)
+  endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 TEST_LIST ${name} ${ARGN}
-    PROPERTIES TIMEOUT 300)
+    PROPERTIES TIMEOUT ${timeout})
   set(file ${CMAKE_CURRENT_BINARY_DIR}/${name}.cmake)
   file(WRITE ${file} "if(${name})
   set_tests_properties(\${${name}} PROPERTIES LABELS \"${labels}\" ENVIRONMENT \"${environment}\")

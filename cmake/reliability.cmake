@@ -2,7 +2,8 @@
 # cmake [-DBUILD=build/ci] [-DQUICK=1] -P cmake/reliability.cmake
 # Runs the tests of what breaks in a configured and built folder, and prints docs/reliability.md's table:
 # every number comes from these runs. QUICK: the short form of each, minutes instead of an hour.
-# -DFUZZ=build/fuzz adds what the fuzzers try there.
+# -DFUZZ=build/fuzz adds what the fuzzers try there, -DASAN=build/asan and -DTSAN=build/tsan what is
+# tested there.
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(root ${CMAKE_CURRENT_LIST_DIR}/.. ABSOLUTE)
 if(NOT BUILD)
@@ -10,13 +11,14 @@ if(NOT BUILD)
 endif()
 get_filename_component(BUILD ${BUILD} ABSOLUTE BASE_DIR ${root})
 
-# One row: <title> <folder> <regular expression of tests>. Their lines "reliability: name {json}" are
-# added up, but for keys that end in _s, _mib or _percent, of which the largest counts.
+# One row: <title> <folder> <regular expression of tests> [arguments of ctest...]. Their lines
+# "reliability: name {json}" are added up, but for keys that end in _s, _mib or _percent, of which the
+# largest counts; of a row with further arguments, the tests are counted.
 set(table "| what | found | tests | time |\n|---|---|---|---|\n")
 set(failed 0)
 function(row title folder tests)
   string(TIMESTAMP begin "%s")
-  execute_process(COMMAND ${CMAKE_CTEST_COMMAND} --test-dir ${folder} -R ${tests} -V
+  execute_process(COMMAND ${CMAKE_CTEST_COMMAND} --test-dir ${folder} -R ${tests} ${ARGN} -V
     OUTPUT_VARIABLE output ERROR_VARIABLE output RESULT_VARIABLE result)
   string(TIMESTAMP end "%s")
   math(EXPR seconds "${end} - ${begin}")
@@ -55,6 +57,10 @@ function(row title folder tests)
     endif()
     math(EXPR sum_tried "${sum_tried} + ${value}")
   endforeach()
+  if(ARGN AND output MATCHES "tests? failed out of ([0-9]+)") # a whole preset
+    set(keys tests)
+    set(sum_tests ${CMAKE_MATCH_1})
+  endif()
   list(REMOVE_DUPLICATES keys)
   set(found)
   foreach(key IN LISTS keys)
@@ -97,7 +103,18 @@ row("killed with signal 9, and resumed" ${BUILD} "${kills}")
 row("device lost, and resumed" ${BUILD} "^Endurance[.]a_lost_device|^RecoveryTest")
 row("files that may not grow" ${BUILD} "^Endurance[.]outputs")
 row("same seed, 1 and 2 threads" ${BUILD} "^Endurance[.]threads")
+row("passes declared in other orders" ${BUILD} "^(AdaptiveAa|VolumeGi)Test[.]TheOrderOfDecl")
 row("many frames" ${BUILD} "${soak}")
+if(NOT QUICK)
+  row("kernels under GPU-assisted validation" ${BUILD} "^EveryKernel[.]")
+endif()
+foreach(preset asan tsan)
+  string(TOUPPER ${preset} folder)
+  if(${folder})
+    get_filename_component(folder ${${folder}} ABSOLUTE BASE_DIR ${root})
+    row("preset ${preset}" ${folder} "." -LE "^(stability|nightly|gpu_assisted)$" -E "_NOT_BUILT$")
+  endif()
+endforeach()
 
 message(NOTICE "\n${table}")
 if(failed)

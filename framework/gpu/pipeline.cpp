@@ -237,6 +237,7 @@ Pipeline Pipelines::make_compute(const ComputeKey& key) {
         .layout = pipeline.layout->handle};
     expect(vkCreateComputePipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle),
         fmt::format("creating the pipeline of shader '{}'", name));
+    log::debug("pipeline of shader '{}'", name);
     return pipeline;
 }
 
@@ -366,6 +367,7 @@ Pipeline Pipelines::make_raster(const RasterKey& key) {
         .renderPass = render_pass_locked(attachments)};
     expect(vkCreateGraphicsPipelines(device_.handle(), cache_, 1, &info, nullptr, &pipeline.handle),
         fmt::format("creating the pipeline of shaders '{}'", pipeline.shaders));
+    log::debug("pipeline of shaders '{}'", pipeline.shaders);
     return pipeline;
 }
 
