@@ -259,7 +259,8 @@ void VolumeGi::declare_anew() {
     pending_ = {};
 }
 
-void VolumeGi::execute() {
+void VolumeGi::execute(std::uint32_t steps) {
+    check(steps == 1 || (steps > 1 && steps_together()), "one step, or as many as go together");
     if (pending_.cache != CacheChange::none) suspended_ = false;
     if (pending_.picture) progress_ = {.settled = suspended_ ? 1u : 0u};
     // Light from before the cache was finer must leave the mean: it begins anew after 1, 2, 4 ...
@@ -282,6 +283,7 @@ void VolumeGi::execute() {
     executor_->set(restart_, pending_.picture || stale);
     executor_->set(drain_, false);
     if (composed_) *composed_->begins = true;
+    if (traces()) *paths_.samples = params_.samples_per_step * steps;
     const bool refines = !suspended_ && (refining_ || pending_.cache != CacheChange::none);
     if (cache_) {
         executor_->set(refine_, refines);
@@ -289,7 +291,7 @@ void VolumeGi::execute() {
     }
     executor_->execute();
     pending_ = {false, false, false, CacheChange::none};
-    ++progress_.steps;
+    progress_.steps += steps;
     if (cache_ && refines) suspended_ = cache_control().suspended != 0;
 }
 

@@ -3,8 +3,8 @@
 //   path, noncaching   ranges -> majorants -> path_trace -> mean
 //   caching            ranges -> majorants -> cache -> path_trace (final gather) -> mean
 //                                                   or compose
-// An execution is a step: it adds samples. What changes in between makes those things begin anew
-// that depend on it, and no others. Called by samples.
+// A step adds samples, and an execution is one or several. What changes in between makes those
+// things begin anew that depend on it, and no others. Called by samples.
 #pragma once
 
 #include "framework/scene/camera.hpp"
@@ -88,8 +88,12 @@ public:
         const Image& environment, const VolumeView& view, const Camera& camera,
         const VolumeGiParams& params, std::unique_ptr<MeshBackground> meshes = nullptr);
 
-    /// One step.
-    void execute();
+    /// So many steps. Several at once give the same picture, bit for bit, in less time: paths that
+    /// run beside each other differ in length, and wait for the longest once instead of in each
+    /// step. More than one only where steps_together().
+    void execute(std::uint32_t steps = 1);
+    /// False: steps refine a cache in between.
+    bool steps_together() const { return !caching(); }
     /// Steps leave paths and rays unfinished where a budget of iterations ended; a picture without
     /// them is darker or brighter than it should be. finished() says whether there are none;
     /// drain() is an execution that only goes on with them; finish() does so until there are none.

@@ -60,19 +60,18 @@ void add_restart(Graph& graph, PathTrace& out, std::vector<Band>& bands) {
     });
 }
 
-/// One dispatch per band, which takes `samples` more of each of its pixels.
-void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& params,
-    std::uint32_t samples, const PathCache& cache, PathTrace& out, std::vector<Band>& bands) {
+/// One dispatch per band, which takes `out.samples` more of each of its pixels, or none.
+void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& params, bool more,
+    const PathCache& cache, PathTrace& out, std::vector<Band>& bands) {
     const std::string shader =
         mesh_variant(medium_variant("volume/path_trace.comp", name_of(params.mode), in), in);
     const Specialization constants = path_specialization(in);
     for (std::size_t i = 0; i < bands.size(); ++i) {
         Band& band = bands[i];
-        std::string name = samples > 0 ? "path_trace" : "path_drain";
+        std::string name = more ? "path_trace" : "path_drain";
         if (i > 0) name += fmt::format(".{}", i);
         PassBuilder pass = graph.add_compute_pass(name);
-        pass.because(samples > 0 ? fmt::format("{} samples for every pixel", samples)
-                                 : "finishes the paths that have begun");
+        pass.because(more ? "more samples for every pixel" : "finishes the paths that have begun");
         read_medium(pass, in);
         read_meshes(pass, in, true);
         read_mesh_tree(pass, in);
@@ -83,13 +82,15 @@ void add_trace(Graph& graph, const MediumInputs& in, const PathTraceParams& para
         out.progress = pass.read_write("progress", out.progress);
         out.statistics = pass.read_write("statistics", out.statistics);
         band.paths = pass.read_write("paths", band.paths);
-        const shader::PathTracePush push{.first_row = band.first_row,
+        shader::PathTracePush push{.first_row = band.first_row,
             .rows = band.rows,
-            .samples = samples,
+            .samples = 0,
             .iterations = std::min(params.iterations, kPathIterations),
             .jitter = params.jitter ? 1u : 0u,
             .nee = params.nee ? 1u : 0u};
-        pass.record([push, shader, constants, width = params.width](Commands& commands) {
+        const auto samples = more ? out.samples : std::shared_ptr<std::uint32_t>();
+        pass.record([=, width = params.width](Commands& commands) mutable {
+            if (samples) push.samples = *samples;
             commands.dispatch_over(
                 {.shader = shader, .specialization = constants, .push = as_push(push)},
                 {width, push.rows, 1});
@@ -118,6 +119,7 @@ PathTrace add_path_trace(Graph& graph, const MediumInputs& in, const PathTracePa
     check(params.iterations > 0, "an invocation has a budget");
     const std::uint64_t pixels = std::uint64_t{params.width} * params.height;
     PathTrace out;
+    out.samples = std::make_shared<std::uint32_t>(params.samples_per_step);
     out.sum = graph.create_persistent_image("path_sum",
         {.format = VK_FORMAT_R32G32B32A32_SFLOAT, .width = params.width, .height = params.height});
     out.square = graph.create_persistent_image("path_square",
@@ -132,11 +134,11 @@ PathTrace add_path_trace(Graph& graph, const MediumInputs& in, const PathTracePa
     }
     {
         const GuardScope scope = graph.unless(conditions.drain);
-        add_trace(graph, in, params, params.samples_per_step, cache, out, bands);
+        add_trace(graph, in, params, true, cache, out, bands);
     }
     {
         const GuardScope scope = graph.when(conditions.drain);
-        add_trace(graph, in, params, 0, cache, out, bands);
+        add_trace(graph, in, params, false, cache, out, bands);
     }
     out.radiance = add_mean(graph, out);
     return out;

@@ -8,6 +8,7 @@
 #include "shaders/volume/path_trace.h"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 
 namespace ockham {
@@ -25,7 +26,7 @@ inline constexpr std::uint32_t kPathIterations = 60000;
 struct PathTraceParams {
     std::uint32_t width = 0, height = 0; ///< pixels
     PathMode mode = PathMode::path;
-    std::uint32_t samples_per_step = 1;         ///< per pixel and execution, >= 1
+    std::uint32_t samples_per_step = 1;         ///< per pixel and execution to begin with, >= 1
     std::uint32_t iterations = kPathIterations; ///< budget of an invocation
     bool jitter = true;                         ///< box filter over pixels; false: their centres
     bool nee = true;                       ///< --nee: an environment map is sampled at collisions
@@ -49,7 +50,9 @@ struct PathTrace {
     ImageHandle square;      ///< r32f: of squared luminance (Rec. 709)
     BufferHandle progress;   ///< uvec2 per pixel: samples finished, samples wanted
     BufferHandle statistics; ///< uint64[PATHS_STATISTICS]
-    ImageHandle radiance;    ///< rgba32f, transient: mean; unbiased once no path is unfinished
+    /// Per pixel and execution, >= 1. Its caller may change it between executions.
+    std::shared_ptr<std::uint32_t> samples;
+    ImageHandle radiance; ///< rgba32f, transient: mean; unbiased once no path is unfinished
 };
 
 /// Noncaching and gather have no surfaces beyond those of local shading. `cache`: gather only.

@@ -26,7 +26,9 @@ using namespace ockham;
 namespace {
 
 constexpr int kDefaultSteps = 32;
-constexpr int kMostLosses = 3; ///< of devices, before a run gives up
+constexpr std::uint64_t kMostTogether = 16; ///< steps of an execution
+constexpr double kTogetherSeconds = 1;      ///< about as long may it take: interrupts wait for it
+constexpr int kMostLosses = 3;              ///< of devices, before a run gives up
 
 struct Options {
     CommonOptions common;
@@ -219,7 +221,8 @@ private:
         Progress progress("step", last == ~std::uint64_t{0} ? 1 : last, o_.common.quiet);
         for (std::uint64_t next_check = 2; gi_.steps() < last;) {
             if (interrupted()) return false;
-            step();
+            step(together(std::min(last, o_.target_error > 0 ? next_check : last),
+                o_.time > 0 ? begin + o_.time - seconds_ : kTogetherSeconds));
             progress.update(gi_.steps());
             if (std::has_single_bit(gi_.steps()) && gi_.steps() < last && !add_row()) return false;
             if (!o_.checkpoint.empty() && since_saved_.seconds() >= o_.checkpoint_interval) save();
@@ -237,12 +240,28 @@ private:
         return gi_.finished();
     }
 
-    void step() {
+    /// How many steps to take at once: as many as there were, but not past `last`, nor past a
+    /// power of two, where --convergence has its rows, nor for much longer than `seconds`.
+    std::uint32_t together(std::uint64_t last, double seconds) const {
+        const std::uint64_t steps = gi_.steps();
+        if (steps == 0 || !gi_.steps_together()) return 1;
+        if (!o_.checkpoint.empty()) seconds = std::min<double>(seconds, o_.checkpoint_interval);
+        seconds = std::min(seconds, kTogetherSeconds);
+        const double affordable = std::clamp(seconds / step_seconds_, 1.0, double{kMostTogether});
+        return static_cast<std::uint32_t>(std::min({2 * std::bit_floor(steps) - steps,
+            std::max(last, steps + 1) - steps, static_cast<std::uint64_t>(affordable)}));
+    }
+
+    void step(std::uint32_t steps) {
         reload_shaders(device_);
         const Timer timer;
-        gi_.execute();
-        seconds_ += timer.seconds();
-        if (warm_ || o_.steps == 1) run_.add_times(gi_.executor());
+        gi_.execute(steps);
+        const double seconds = timer.seconds();
+        seconds_ += seconds;
+        step_seconds_ = seconds / steps;
+        std::vector<PassTime> times = gi_.executor().times();
+        for (PassTime& time : times) time.milliseconds /= steps;
+        for (std::uint32_t i = 0; i < steps && (warm_ || o_.steps == 1); ++i) run_.add_times(times);
         warm_ = true; // the first step compiles kernels
     }
 
@@ -302,7 +321,8 @@ private:
     nlohmann::ordered_json identity_;
     bool& saved_; ///< whether this run has written its checkpoint
     std::size_t frame_ = 0;
-    double seconds_ = 0; ///< of executions
+    double seconds_ = 0;      ///< of executions
+    double step_seconds_ = 1; ///< of each step of the last one
     bool warm_ = false;
     Timer since_saved_;
     std::string rows_;

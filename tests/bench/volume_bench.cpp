@@ -252,18 +252,33 @@ void tracking_rate(benchmark::State& state) {
     state.counters["steps_per_path"] = steps / (64.0 * 64.0 * 64.0);
 }
 
-/// Time times variance, of `--majorant global --nee off` over that of the defaults.
-void equal_error(benchmark::State& state, const std::string& name, bool sky_light, float density) {
+/// In a white world, under a sky with a sun of 10 degrees, or in the light of volume_gi's defaults.
+Scene lit_scene(const std::string& name, const std::string& light, float density) {
     Scene scene = data_scene(name);
     scene.view.density_scale = density;
     scene.view.albedo = 0.9f;
-    if (sky_light) scene.environment = sky();
+    if (light == "sky") scene.environment = sky();
+    if (light == "default") {
+        scene.view.light_direction = {0.5f, 0.7f, -0.6f};
+        scene.view.light_irradiance = glm::vec3(2.0f);
+        scene.view.environment = {0.12f, 0.17f, 0.26f};
+    }
+    return scene;
+}
+
+/// Time times variance, of `--majorant global --nee off` over that of the defaults; and of
+/// `--majorant global --nee off --sampler independent`: the plainest there is.
+void equal_error(
+    benchmark::State& state, const std::string& name, const std::string& light, float density) {
+    const Scene scene = lit_scene(name, light, density);
     VolumeGiParams params = picture_params(64, 16);
     Renderer fast(scene, params);
     params.majorant_grid = params.nee = false;
     Renderer plain(scene, params);
+    params.sobol = false;
+    Renderer plainest(scene, params);
     const double paths = 64.0 * 64.0 * 16.0;
-    std::vector<double> ratio, cpu_ratio, variance_ratio, difference;
+    std::vector<double> ratio, cpu_ratio, variance_ratio, difference, independent_ratio;
     double steps_fast = 0, steps_plain = 0;
     std::vector<double> nanoseconds, nanoseconds_plain;
     for (auto _ : state)
@@ -274,6 +289,10 @@ void equal_error(benchmark::State& state, const std::string& name, bool sky_ligh
             variance_ratio.push_back(
                 variance_of(a.luminance, c.luminance) / variance_of(b.luminance, d.luminance));
             ratio.push_back(cpu_ratio.back() * variance_ratio.back());
+            const Renderer::Picture e = plainest.picture(seed), f = plainest.picture(seed + 1);
+            independent_ratio.push_back((e.cpu + f.cpu) / (b.cpu + d.cpu) *
+                                        variance_of(e.luminance, f.luminance) /
+                                        variance_of(b.luminance, d.luminance));
             difference.push_back(mean_of(a.luminance) - mean_of(b.luminance));
             difference.push_back(mean_of(c.luminance) - mean_of(d.luminance));
             steps_plain = a.steps, steps_fast = b.steps;
@@ -283,11 +302,37 @@ void equal_error(benchmark::State& state, const std::string& name, bool sky_ligh
     Figure(ratio).report(state, "ratio");
     Figure(cpu_ratio).report(state, "cpu_ratio");
     Figure(variance_ratio).report(state, "variance_ratio");
+    Figure(independent_ratio).report(state, "ratio_independent");
     state.counters["z"] = mean_of(difference) / standard_error(difference);
     state.counters["ns_per_path"] = Figure(nanoseconds).quantile(0.5);
     state.counters["ns_per_path_plain"] = Figure(nanoseconds_plain).quantile(0.5);
     state.counters["steps_per_path"] = steps_fast / paths;
     state.counters["steps_per_path_plain"] = steps_plain / paths;
+}
+
+/// CPU time of 32 steps one by one, over that of the same taken together as volume_gi does.
+void steps_together(benchmark::State& state, const std::string& name, float density) {
+    const Scene scene = lit_scene(name, "default", density);
+    Renderer renderer(scene, picture_params(128, 1));
+    VolumeGi& gi = renderer.gi();
+    std::vector<double> ratio;
+    for (auto _ : state)
+        for (int repetition = 0; repetition < 7; ++repetition) {
+            double cpu[2];
+            for (const bool together : {false, true}) {
+                gi.set_camera(scene.camera);
+                const double start = cpu_seconds();
+                for (std::uint32_t steps = 0; steps < 32;) {
+                    const std::uint32_t more = together ? std::clamp(steps, 1u, 16u) : 1;
+                    gi.execute(more);
+                    steps += more;
+                }
+                gi.finish();
+                cpu[together ? 1 : 0] = cpu_seconds() - start;
+            }
+            ratio.push_back(cpu[0] / cpu[1]);
+        }
+    Figure(ratio).report(state, "ratio");
 }
 
 /// Executes until the cache has reached its error; how often, at most `most` times.
@@ -503,13 +548,16 @@ void add_all() {
         ->Unit(benchmark::kSecond)
         ->UseRealTime();
     for (const char* volume : {"cranium_ct", "engine"})
-        for (const bool sky_light : {false, true})
-            for (const int density : {20, 100, 400})
-                add(fmt::format(
-                        "equal_error/{}/{}/{}", volume, sky_light ? "sky" : "white", density),
+        for (const int density : {20, 100, 400}) {
+            for (const char* light : {"white", "sky", "default"})
+                add(fmt::format("equal_error/{}/{}/{}", volume, light, density),
                     [=](benchmark::State& state) {
-                        equal_error(state, volume, sky_light, static_cast<float>(density));
+                        equal_error(state, volume, light, static_cast<float>(density));
                     });
+            add(fmt::format("steps_together/{}/{}", volume, density), [=](benchmark::State& state) {
+                steps_together(state, volume, static_cast<float>(density));
+            });
+        }
     for (const VolumeMode mode : {VolumeMode::path, VolumeMode::noncaching, VolumeMode::caching})
         for (const CubeCase& c : kCubes)
             add(fmt::format("cube/{}/albedo:{}/g:{}", name_of(mode), c.albedo, c.g),

@@ -79,6 +79,23 @@ protected:
 const VolumeGiParams kAll[] = {params(VolumeMode::path), params(VolumeMode::noncaching),
     params(VolumeMode::caching), params(VolumeMode::caching, false)};
 
+TEST_F(VolumeGiTest, StepsTogetherGiveTheBitsOfOneAfterTheOther) {
+    VolumeView view = lit();
+    view.surfaces = {{.value = 190, .opacity = 0.5f}};
+    VolumeGiParams p = params(VolumeMode::path);
+    VolumeGi single = make(p, view);
+    const Image expected = after(single, 8);
+    p.iterations = 300; // less than eight samples take: paths go on in later executions
+    VolumeGi together = make(p, view);
+    for (const std::uint32_t steps : {1u, 5u, 2u}) together.execute(steps);
+    EXPECT_EQ(together.steps(), 8u);
+    together.finish();
+    EXPECT_TRUE(equal(together.picture(), expected));
+    EXPECT_GT(together.statistics().resumed, 0u);
+    EXPECT_EQ(together.statistics().paths, single.statistics().paths);
+    EXPECT_FALSE(make(params(VolumeMode::caching)).steps_together());
+}
+
 TEST_F(VolumeGiTest, EveryChangeOfTheViewEqualsAFreshPicture) {
     for (const VolumeGiParams& p : kAll) {
         std::vector<VolumeView> views(6, lit());
