@@ -92,7 +92,7 @@ AdaptiveAaParams settled(AdaptiveAaParams params) {
 namespace {
 
 void omit_adaptive_passes(Graph& graph, const std::string& reason) {
-    for (const char* pass : {"clusters", "surface_means", "metrics", "variance_pool",
+    for (const char* pass : {"clusters", "surface_means", "first_luma", "metrics", "variance_pool",
              "variance_history", "allocate", "budget", "coarsen", "bucket_count", "bucket_scan",
              "bucket_arguments", "bucket_scatter", "tile_work", "tile_list"}) {
         graph.omit_pass(pass, reason);
@@ -142,7 +142,7 @@ ImageHandle add_surface_counts(Graph& graph, ImageHandle labels, const AdaptiveA
 Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clusters,
     ImageHandle first_sample, const AdaptiveAaParams& params) {
     if (params.method != AaMethod::adaptive) {
-        for (const char* pass : {"metrics", "variance_pool", "allocate", "budget"})
+        for (const char* pass : {"first_luma", "metrics", "variance_pool", "allocate", "budget"})
             graph.omit_pass(pass, "the method counts surfaces, if anything");
         return {add_surface_counts(graph, clusters.labels, params), {}};
     }
@@ -154,6 +154,7 @@ Allocation add_counts(Graph& graph, const ShadingInputs& in, const Clusters& clu
         const Metrics counts =
             add_metrics(graph, {in.scene.frame, in.gbuffer, first_sample}, metrics);
         graph.omit_pass("allocate", "--metric paper counts samples itself");
+        graph.omit_pass("first_luma", "--metric paper looks at four neighbours only");
         graph.omit_pass("variance_pool", "--metric paper expects no variance");
         graph.omit_pass("variance_history", "--metric paper expects no variance");
         graph.omit_pass("budget", "--metric paper counts samples itself");
@@ -217,10 +218,12 @@ ImageHandle add_shade(Graph& graph, const ShadingInputs& in, const ShadingParams
 /// What samples take from all of their surface; sets the members of `in` that say so.
 void add_means(
     Graph& graph, ShadingInputs& in, const Clusters& clusters, const AdaptiveAaParams& params) {
-    const bool textured = in.scene.scene->facts().color_textures;
+    const SceneFacts& facts = in.scene.scene->facts();
+    const bool textured = facts.color_textures;
+    const bool lights = facts.directional_lights + facts.point_lights + facts.spot_lights > 0;
     const bool stratified = params.resolve == Resolve::stratified;
     in.demodulate = stratified && params.demodulate && textured;
-    in.filter_highlights = stratified && params.filter_highlights;
+    in.filter_highlights = stratified && params.filter_highlights && lights;
     if (in.demodulate || in.filter_highlights) {
         in.means = add_surface_means(graph, in.scene, in.gbuffer, clusters,
             {.width = params.width,
@@ -229,9 +232,12 @@ void add_means(
                 .albedo = in.demodulate});
     } else {
         graph.omit_pass("surface_means",
-            !stratified         ? "--resolve prefix knows no surfaces"
-            : params.demodulate ? "no material has a colour image; no --filter-highlights"
-                                : "no --demodulate, no --filter-highlights");
+            !stratified
+                ? "--resolve prefix knows no surfaces"
+                : fmt::format("{}; {}",
+                      params.demodulate ? "no material has a colour image" : "no --demodulate",
+                      params.filter_highlights ? "ambient light makes no highlights"
+                                               : "no --filter-highlights"));
     }
 }
 
@@ -316,10 +322,10 @@ bool is_shading_pass(std::string_view pass) {
     if (is_baseline_pass(pass)) return true;
     // "shade" and its further rounds "shade.1", ...; the passes of the lists.
     return pass == "clusters" || pass == "surface_means" || pass == "first_sample" ||
-           pass == "metrics" || pass == "variance_pool" || pass == "variance_history" ||
-           pass == "allocate" || pass.starts_with("budget") || pass == "coarsen" ||
-           pass.starts_with("bucket_") || pass.starts_with("tile_") || pass.starts_with("shade") ||
-           pass == "resolve";
+           pass == "first_luma" || pass == "metrics" || pass == "variance_pool" ||
+           pass == "variance_history" || pass == "allocate" || pass.starts_with("budget") ||
+           pass == "coarsen" || pass.starts_with("bucket_") || pass.starts_with("tile_") ||
+           pass.starts_with("shade") || pass == "resolve";
 }
 
 AdaptiveAaOutputs add_adaptive_aa(

@@ -9,6 +9,20 @@ namespace ockham {
 ImageHandle add_ockham_metrics(
     Graph& graph, const OckhamMetricsInputs& in, const OckhamMetricsParams& params) {
     ImageDesc desc = graph.desc(in.first_sample);
+    const shader::PictureSizePush size{{desc.width, desc.height}};
+    const auto over_picture = [desc, size](const char* shader) {
+        return [desc, size, shader](Commands& commands) {
+            commands.dispatch_over({.shader = shader, .specialization = {}, .push = as_push(size)},
+                {desc.width, desc.height, 1});
+        };
+    };
+    PassBuilder lumas = graph.add_compute_pass("first_luma");
+    lumas.because("each pixel's luma is asked for by all around it");
+    lumas.sample("first_sample", in.first_sample);
+    desc.format = VK_FORMAT_R32_SFLOAT;
+    const ImageHandle luma = lumas.write("first_luma", graph.create_image("first_luma", desc));
+    lumas.record(over_picture("surface/first_luma.comp"));
+
     desc.format = VK_FORMAT_R32G32_SFLOAT;
     PassBuilder pass = graph.add_compute_pass("metrics");
     pass.because("how much the colours of each pixel are expected to vary");
@@ -17,7 +31,7 @@ ImageHandle add_ockham_metrics(
     pass.sample("clusters", in.clusters.labels)
         .sample("normal_spread", in.clusters.normal_spread)
         .sample("first_surface", in.clusters.first_surface)
-        .sample("first_sample", in.first_sample);
+        .sample("first_luma", luma);
     const ImageHandle lone = pass.write("lone_variance", graph.create_image("lone_variance", desc));
     pass.record([desc, params, gbuffer = in.gbuffer](Commands& commands) {
         const shader::OckhamMetricsPush push{.stratified = params.stratified ? 1u : 0u};
@@ -33,12 +47,7 @@ ImageHandle add_ockham_metrics(
     pool.because("where the neighbours vary, so does the pixel");
     pool.sample("lone_variance", lone);
     const ImageHandle out = pool.write("variance", graph.create_image("variance", desc));
-    pool.record([desc](Commands& commands) {
-        const shader::VariancePoolPush push{.size = {desc.width, desc.height}};
-        commands.dispatch_over(
-            {.shader = "surface/variance_pool.comp", .specialization = {}, .push = as_push(push)},
-            {desc.width, desc.height, 1});
-    });
+    pool.record(over_picture("surface/variance_pool.comp"));
     return out;
 }
 

@@ -19,7 +19,7 @@ struct OckhamMetricsPush {
     uint stratified; ///< 1: each surface gets samples and a weight of its own
 };
 
-struct VariancePoolPush {
+struct PictureSizePush {
     uvec2 size; ///< pixels
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// reads clusters of the window and S around the pixel; writes the variance that the pixel's n
+// reads clusters of the window and lumas of S around the pixel; writes the variance that the pixel's n
 // colours are expected to have (variance.glsl), before variance_pool.comp asks the neighbours:
 //   x  w^2, within surfaces: what samples beyond the first of each surface average out
 //   y  b^2 / (C - 1), between its C surfaces: what one sample of each removes, per sample
@@ -15,7 +15,6 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 
-#include "include/color.glsl"
 #include "shared/frame.h"
 #include "surface/clusters.glsl"
 #include "surface/metrics.h"
@@ -29,7 +28,7 @@ layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
 layout(binding = 4) uniform usampler2D clusters;
 layout(binding = 5) uniform sampler2D normal_spread;
 layout(binding = 6) uniform usampler2D first_surface;
-layout(binding = 7) uniform sampler2D first_sample;
+layout(binding = 7) uniform sampler2D first_luma;
 layout(binding = 9, rg32f) uniform writeonly image2D lone_variance;
 layout(push_constant, scalar) uniform Push { OckhamMetricsPush push; };
 
@@ -53,11 +52,7 @@ ivec2 neighbour(int i) {
     return i < 4 ? direct : ivec2((i & 1) * 2 - 1, (i & 2) - 1);
 }
 
-/// Luma of radiance, NaN and beyond as black.
-float shown(vec3 radiance) {
-    float y = luma(radiance);
-    return y >= 0.0 ? y : 0.0;
-}
+float shown(ivec2 pixel) { return texelFetch(first_luma, pixel, 0).x; }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -74,14 +69,12 @@ void main() {
     vec4 slopes = texelFetch(normal_spread, pixel, 0);
     uvec2 surface = texelFetch(first_surface, pixel, 0).xy;
 
-    vec3 radiance = texelFetch(first_sample, pixel, 0).rgb;
-    float here = shown(radiance);
+    float here = shown(pixel);
     float squares = 0.0, seen = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 q = clamp(pixel + neighbour(i), ivec2(0), size - 1);
-        vec3 other = texelFetch(first_sample, q, 0).rgb;
         bool same = texelFetch(first_surface, q, 0).y == surface.y;
-        float difference = abs(shown(other) - here);
+        float difference = abs(shown(q) - here);
         squares += same ? difference * difference : 0.0;
         seen += same && q != pixel ? 1.0 : 0.0;
     }
@@ -109,7 +102,7 @@ void main() {
             float expected = plane.depth + dot(plane.slope, vec2(at - position));
             bool same = sky ? there.x == 0u
                             : there.x != 0u && there.y == plane.material && abs(uintBitsToFloat(there.x) - expected) <= reach;
-            float y = shown(texelFetch(first_sample, q, 0).rgb);
+            float y = shown(q);
             sum += same ? y : 0.0;
             sum2 += same ? y * y : 0.0;
             found += same ? 1.0 : 0.0;

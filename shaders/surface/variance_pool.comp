@@ -14,7 +14,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 0) uniform sampler2D lone_variance;
 layout(binding = 1, rg32f) uniform writeonly image2D variance;
-layout(push_constant, scalar) uniform Push { VariancePoolPush push; };
+layout(push_constant, scalar) uniform Push { PictureSizePush push; };
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), last = ivec2(push.size) - 1;

@@ -634,6 +634,9 @@ TEST_F(AdaptiveAaTest, MeansOfSurfacesExistWhereSamplesTakeThem) {
     Scene plain;
     plain.materials = {Material{}};
     add(plain, rectangle({-9, -9, 0}, {99, 0, 0}, {0, 99, 0}));
+    plain.ambient = glm::vec3(1.0f);
+    const LitScene ambient(device(), plain);
+    plain.lights.emplace_back();
     const LitScene untextured(device(), plain);
     AdaptiveAaParams p = params(8, 8, 2, AaMethod::adaptive);
     const auto why_not = [&](const LitScene& lit) {
@@ -648,6 +651,7 @@ TEST_F(AdaptiveAaTest, MeansOfSurfacesExistWhereSamplesTakeThem) {
     p.resolve = Resolve::stratified;
     EXPECT_EQ(why_not(varied()), "runs");
     EXPECT_EQ(why_not(untextured), "runs");
+    EXPECT_NE(why_not(ambient).find("no highlights"), std::string::npos) << why_not(ambient);
     p.filter_highlights = false;
     EXPECT_EQ(why_not(varied()), "runs");
     EXPECT_NE(why_not(untextured).find("no material has a colour image"), std::string::npos);
