@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SMAA 1x (Jimenez et al. 2012): finds edges in the finished picture, guesses the line that each
 // stands for from how it ends, and blends pixels by the areas which that line cuts off. A baseline:
-// knows nothing of geometry and shades nothing. Luma edges; no diagonal patterns, no corner
-// rounding.
+// knows nothing of geometry and shades nothing. Luma edges, diagonals, corners.
 #pragma once
 
 #include "framework/graph/graph.hpp"

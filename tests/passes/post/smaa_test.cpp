@@ -10,6 +10,7 @@
 
 #include <glm/glm.hpp>
 
+#include <algorithm>
 #include <functional>
 
 namespace ockham::test {
@@ -120,6 +121,44 @@ TEST_F(SmaaTest, StaircasesBecomeTheCoverageOfTheirLine) {
                 }
             });
     }
+}
+
+TEST_F(SmaaTest, DiagonalsOfUnequalStepsBecomeTheCoverageOfOneLine) {
+    // Slopes 2/3, 3/4, 4/5: among single steps one of two pixels, through whose middle the line
+    // runs. Single patterns would bend it at every step.
+    const int size = 40;
+    for (const int rise : {2, 3, 4}) {
+        SCOPED_TRACE(testing::Message() << "slope " << rise << " / " << rise + 1);
+        const int period = rise + 1;
+        const auto step = [=](int x) { return 4 + x * rise / period; };
+        in_all_directions(
+            size, [=](int x, int y) { return y >= step(x); },
+            [=](const auto& at) {
+                for (int x = 2 * period; x < size - 2 * period; ++x) {
+                    for (int y = step(x) - 2; y <= std::min(step(x) + 2, size - 1); ++y) {
+                        // Bright below the line: the pixel's area there, by strips.
+                        double expected = 0;
+                        for (int i = 0; i < 256; ++i) {
+                            const double line = 4.0 + (x + (i + 0.5) / 256 - 1.0) * rise / period;
+                            expected += std::clamp(y + 1 - line, 0.0, 1.0) / 256;
+                        }
+                        EXPECT_NEAR(at(x, y), expected, kHalf) << x << ", " << y;
+                    }
+                }
+            });
+    }
+}
+
+TEST_F(SmaaTest, RightAnglesKeepTheirCorners) {
+    in_all_directions(
+        32, [](int x, int y) { return x >= 10 && x < 22 && y >= 10 && y < 22; },
+        [](const auto& at) {
+            // The corner's line falls from half a pixel to zero over six: 11/24 of the first pixel.
+            const float lost = SMAA_CORNER * 11.0f / 24.0f;
+            for (const int x : {10, 21})
+                for (const int y : {10, 21}) EXPECT_NEAR(at(x, y), 1.0f - lost, kHalf);
+            EXPECT_NEAR(at(9, 10), 0.0f, kHalf) << "nothing gains";
+        });
 }
 
 TEST_F(SmaaTest, PlateausAndOpenEndsBecomeTriangles) {
