@@ -38,13 +38,15 @@ protected:
         p.export_counts = true;
         return p;
     }
-    /// Ours. `lambda`: squared error that a sample must remove, in display-encoded values.
+    /// Ours, as by default. `lambda`: squared error that a sample must remove, in display-encoded
+    /// values.
     static AdaptiveAaParams ours(int width, int height, int m = 4, float lambda = kDefaultLambda) {
         AdaptiveAaParams p = paper(width, height, m);
         p.metric = MetricKind::ockham;
         p.lambda = lambda;
         p.resolve = Resolve::stratified;
         p.order_kind = SampleOrder::optimal;
+        p.filter_highlights = true;
         return p;
     }
     static AdaptiveAaParams all_samples(int width, int height, int m = 4) {

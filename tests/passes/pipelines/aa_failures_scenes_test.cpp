@@ -145,8 +145,9 @@ TEST_F(AaFailuresScenes, HighlightsBelowAPixel) {
         double peak = 0, sum = 0, error = 0;
         double peak_to_mean() const { return peak * kFrames / sum; }
     };
-    AdaptiveAaParams sharp = ours(kSize, kSize), filtered = sharp;
-    filtered.filter_highlights = true;
+    const AdaptiveAaParams filtered = ours(kSize, kSize);
+    AdaptiveAaParams sharp = filtered;
+    sharp.filter_highlights = false;
     Method methods[] = {{paper(kSize, kSize)}, {sharp}, {filtered}};
     const Camera camera = pixel_camera(kSize, kSize);
     for (int frame = 0; frame < kFrames; ++frame) {
