@@ -122,11 +122,17 @@ MeshInputs MeshBackground::declare(
         .height = params_.height,
         .m = params_.m,
         .anisotropy = params_.anisotropy};
+    const SceneFacts& facts = lit_.gpu().facts();
+    const bool lamps = scatters && facts.point_lights + facts.spot_lights > 0;
     MeshInputs meshes{.ends = add_mesh_ends(graph, frame_, out.gbuffer, out.labels, shading),
         .radiance = {},
         .picture = add_kept(graph, out.radiance, "meshes"),
         .sun_map = sun_map_,
-        .tree = tree_};
+        .tree = tree_,
+        .lamps = lamps ? scene_.lights : BufferHandle{},
+        .first_lamp = facts.directional_lights,
+        .points = lamps ? facts.point_lights : 0,
+        .spots = lamps ? facts.spot_lights : 0};
     meshes.radiance = out.labels
                           ? add_mesh_radiance(graph, shaded, out.labels, out.radiance, shading)
                           : add_kept(graph, out.radiance, "mesh_radiance");

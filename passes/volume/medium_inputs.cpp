@@ -46,11 +46,16 @@ void read_mesh_tree(PassBuilder& pass, const MediumInputs& in) {
     if (!in.meshes.ends) return;
     const BufferHandle tree = in.meshes.tree ? in.meshes.tree : in.handles.transfer;
     pass.read("mesh_tree", tree).read("mesh_links", tree);
+    pass.read("lights", in.meshes.lamps ? in.meshes.lamps : in.handles.transfer);
 }
 
 Specialization path_specialization(const MediumInputs& in) {
     Specialization out = medium_specialization(in);
-    if (in.meshes.ends) out.emplace_back(SPEC_MESH_TREE, bool(in.meshes.tree));
+    if (!in.meshes.ends) return out;
+    out.emplace_back(SPEC_MESH_TREE, bool(in.meshes.tree));
+    out.emplace_back(SPEC_LAMPS, in.meshes.points + in.meshes.spots);
+    out.emplace_back(SPEC_FIRST_LAMP, in.meshes.first_lamp);
+    out.emplace_back(SPEC_SPOTS, in.meshes.spots);
     return out;
 }
 

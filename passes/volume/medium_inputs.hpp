@@ -19,6 +19,8 @@ struct MeshInputs {
     ImageHandle picture;  ///< of the meshes alone, kept
     ImageHandle sun_map;  ///< add_shadow_map(), of VolumeFrame::sun_projection
     BufferHandle tree;    ///< MeshTree, nodes and triangles; empty: nothing scatters
+    BufferHandle lamps;   ///< the scene's lights; empty: none of them is a point or a spot
+    std::uint32_t first_lamp = 0, points = 0, spots = 0; ///< of these
 };
 
 struct MediumInputs {

@@ -18,6 +18,7 @@ struct LightSample {
     vec3 direction; // towards it
     vec3 radiance;  // over the chance to choose it, and over its density where it has one
     float pdf;      // density, with that chance; 0: a light from one direction only
+    float distance; // world units
 };
 
 /// Chance that the directional light is chosen.
@@ -39,11 +40,12 @@ LightSample sample_light(vec4 xi) {
         light.radiance = sample_environment(xi.yz, light.direction, light.pdf);
         light.pdf *= 1.0 - share;
         light.radiance = light.pdf > 0.0 ? light.radiance / light.pdf : vec3(0.0);
+        light.distance = kInfinity;
         return light;
     }
-    return LightSample(-constants.light_direction, constants.light_irradiance / share, 0.0);
+    return LightSample(-constants.light_direction, constants.light_irradiance / share, 0.0, kInfinity);
 #else
-    return LightSample(-constants.light_direction, constants.light_irradiance, 0.0);
+    return LightSample(-constants.light_direction, constants.light_irradiance, 0.0, kInfinity);
 #endif
 }
 

@@ -31,9 +31,10 @@ struct MeshHit {
     vec3 emitted;
 };
 
-/// Goes on with the search along a ray: direction unit, world; `random`: chooses what is a hole.
-/// True: it has ended.
-bool search_meshes(inout MeshSearch search, vec3 origin, vec3 direction, uvec4 random) {
+/// Goes on with the search along a ray: direction unit, world; `random`: chooses what is a hole; `lamp`:
+/// towards a lamp, which stands for the light in whatever shines: that does not stop it. True: it has
+/// ended.
+bool search_meshes(inout MeshSearch search, vec3 origin, vec3 direction, uvec4 random, bool lamp) {
     vec3 inverse = 1.0 / mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
     bvec3 negative = lessThan(inverse, vec3(0.0));
     uint octant = uint(negative.x) | uint(negative.y) << 1 | uint(negative.z) << 2;
@@ -56,7 +57,8 @@ bool search_meshes(inout MeshSearch search, vec3 origin, vec3 direction, uvec4 r
         for (uint i = 0u; i < MESH_LEAF && i < count; ++i) {
             uint row = first + MESH_TRIANGLE_ROWS * i;
             uvec4 a = mesh_tree.rows[row];
-            vec3 across = uintBitsToFloat(mesh_tree.rows[row + 1u].xyz);
+            uvec4 b = mesh_tree.rows[row + 1u];
+            vec3 across = uintBitsToFloat(b.xyz);
             vec3 up = uintBitsToFloat(mesh_tree.rows[row + 2u].xyz);
             vec3 p = cross(direction, up), s = origin - uintBitsToFloat(a.xyz), q = cross(s, across);
             float determinant = dot(across, p);
@@ -64,6 +66,7 @@ bool search_meshes(inout MeshSearch search, vec3 origin, vec3 direction, uvec4 r
             // Neighbours overlap by rounding errors: rays do not slip through between them.
             bool met = min(uvt.x, uvt.y) >= -1e-6 && uvt.x + uvt.y <= 1.000001 && uvt.z > 0.0 &&
                 uvt.z < search.t; // a parallel ray meets nothing: not a number is not less
+            met = met && !(lamp && (b.w & 0x07ffffffu) != 0u);
             uint share = a.w >> 24;
             if (met && share < 255u)
                 met = hash4(random + uvec4(0u, 0u, 0u, row)).x < share * 16843009u;

@@ -49,8 +49,9 @@ float sun_reaches(vec3 world) {
 }
 
 /// Where to ask that of a point on a surface, which stands in its own way in the texels that it
-/// shares with others. `cosine`: of the angle between its normal and the sun.
-vec3 sun_side(vec3 world, vec3 normal, float cosine) {
+/// shares with others.
+vec3 sun_side(vec3 world, vec3 normal) {
+    float cosine = dot(normal, constants.light_direction);
     mat4 p = constants.sun_projection; // the rows of x and y are 2 / (size of the map in the world) long
     float across = min(length(vec3(p[0].x, p[1].x, p[2].x)), length(vec3(p[0].y, p[1].y, p[2].y)));
     float texel = 2.0 / (across * float(textureSize(sun_map, 0).x));

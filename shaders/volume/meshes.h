@@ -17,6 +17,9 @@ struct OverMeshesPush {
 #define SPEC_MEDIUM_GRID 33     // bool: there are majorants, not one extinction everywhere
 #define SPEC_MEDIUM_SURFACES 34 // bool: there are isosurfaces
 #define SPEC_MESH_TREE 35       // bool: flights that have been scattered meet meshes
+#define SPEC_LAMPS 36           // point and spot lights that light the medium
+#define SPEC_FIRST_LAMP 37      // the first of them among the scene's lights
+#define SPEC_SPOTS 38           // spot lights, the last of them
 
 OCKHAM_SHARED_END
 

@@ -32,6 +32,7 @@
 #include "volume/cache_lookup.glsl"
 #endif
 #ifdef MESHES
+#include "volume/lamps.glsl"
 #include "volume/mesh_tree.glsl"
 #include "volume/meshes.glsl"
 
@@ -91,14 +92,21 @@ vec4 draw(Path path, uint set) {
     Random random = Random(path.random.x, path.random.y, path.random.z, first + 2u * path.bounces + set);
     return next4(random);
 }
-/// Light that a path samples at `position`, as far as meshes let it through.
-LightSample light_at(Path path, vec3 position) {
+/// Light that a path samples at `position`; of the sun, what meshes let through. `normal`: of the mesh
+/// that the position lies beside, or 0.
+LightSample light_at(Path path, vec3 position, vec3 normal) {
 #ifdef ENVIRONMENT_MAP
     return sample_light(draw(path, SET_LIGHT));
 #else
     LightSample light = sample_light(vec4(0.0));
 #ifdef MESHES
-    light.radiance *= sun_reaches(position);
+    light.radiance *= sun_reaches(sun_side(position, normal));
+    if (kLamps > 0u) { // one of both kinds
+        vec2 xi = draw(path, SET_LIGHT).xy;
+        float share = greatest_of(constants.light_irradiance) > 0.0 ? 0.5 : 0.0;
+        light.radiance /= max(share, 0.5);
+        if (xi.x >= share) light = sample_lamp(position, xi.y, 1.0 - share);
+    }
 #endif
     return light;
 #endif
@@ -177,6 +185,9 @@ void leave(inout Path path, vec3 position, LightSample light, vec3 scattered, fl
     path.pending = scattered * light.radiance * weight;
     path.to_light = light.direction;
     path.transmittance = 1.0;
+#ifdef MESHES
+    path.pdf = light.distance;
+#endif
     path.origin = position;
     path.t = -1.0;
     path.search = 0.0;
@@ -210,7 +221,7 @@ void meet_medium(inout Path path, vec3 position, Medium medium, float xi) {
         return;
     }
 #endif
-    LightSample light = light_at(path, position);
+    LightSample light = light_at(path, position, vec3(0.0));
     float towards = phase(constants.phase_g, dot(path.direction, light.direction));
     vec3 scattered = path.throughput * towards;
     play_roulette(path, xi);
@@ -228,7 +239,7 @@ void meet_surface(inout Path path, SurfaceHit hit, float xi) {
     ++path.bounces;
     if (path.bounces > constants.max_bounces) path.throughput = vec3(0.0);
     IsoMaterial material = frame.data.surfaces[hit.surface].material;
-    LightSample light = light_at(path, position);
+    LightSample light = light_at(path, position, vec3(0.0));
     vec3 scattered =
         path.throughput * evaluate_iso(material, constants.shading, normal, view, light.direction);
     float pdf = light.pdf > 0.0 ? pdf_iso(material, constants.shading, normal, view, light.direction) : 0.0;
@@ -250,8 +261,8 @@ void meet_surface(inout Path path, SurfaceHit hit, float xi) {
 #endif
         path.throughput = vec3(0.0);
         ++path.bounces;
-        leave(path, position, LightSample(-constants.light_direction, vec3(1.0), 0.0), scattered, 0.0,
-            PATH_ENDED);
+        leave(path, position, LightSample(-constants.light_direction, vec3(1.0), 0.0, kInfinity), scattered,
+            0.0, PATH_ENDED);
     }
 #endif
 #endif
@@ -266,9 +277,8 @@ void meet_mesh(inout Path path, MeshSearch search, vec2 xi) {
     path.throughput *= hit.albedo;
     ++path.bounces;
     if (path.bounces > constants.max_bounces) path.throughput = vec3(0.0);
-    float cosine = max(dot(hit.normal, -constants.light_direction), 0.0);
-    LightSample light = light_at(path, sun_side(hit.position, hit.normal, cosine));
-    vec3 scattered = path.throughput * (cosine / 3.14159265);
+    LightSample light = light_at(path, hit.position, hit.normal);
+    vec3 scattered = path.throughput * (max(dot(hit.normal, light.direction), 0.0) / 3.14159265);
 
     vec4 turn = draw(path, SET_DIRECTION);
     vec3 tangent, bitangent;
@@ -276,7 +286,6 @@ void meet_mesh(inout Path path, MeshSearch search, vec2 xi) {
     float azimuth = 6.28318531 * turn.y;
     path.direction = normalize(sqrt(turn.x) * (cos(azimuth) * tangent + sin(azimuth) * bitangent) +
         sqrt(1.0 - turn.x) * hit.normal);
-    path.pdf = -1.0;
     path.depth = depth_of(turn.z);
     path.chance = turn.w;
     // In a white room that nothing leaves, paths have to end as well.
@@ -293,7 +302,7 @@ Path begin_cell_path(vec3 position, Random random) {
     Path path = begin_path(position, PATH_SCATTER, random);
     path.bounces = 1u;
     depart(path);
-    LightSample light = light_at(path, position);
+    LightSample light = light_at(path, position, vec3(0.0));
     leave(path, position, light, vec3(path.pdf), path.pdf, PATH_FLIGHT);
     bool inside = constants.max_bounces > 0u;
 #ifdef SURFACES
@@ -309,10 +318,14 @@ Path begin_cell_path(vec3 position, Random random) {
 #endif
 
 /// How the present ray goes through the box; false: surfaces are still being searched for.
-bool set_out(inout Path path, inout Tracker tracker, vec3 direction) {
+bool set_out(inout Path path, inout Tracker tracker, vec3 direction, bool shadow) {
     float near, far;
     vec3 entry_normal;
     bool inside = clip_ray(path.origin, direction, near, far, entry_normal);
+#ifdef MESHES
+    if (shadow) far = min(far, path.pdf);
+    inside = inside && near < far;
+#endif
 #if defined(MESHES) && !defined(CELLS)
     if (path.bounces == 0u) { // from the camera: it is nowhere a shadow ray's
         uint pixel = path.random.y;
@@ -371,7 +384,7 @@ struct Meeting {
 /// it has ended, a flight at `met`, a shadow ray with the path's transmittance.
 bool travel(inout Path path, inout Tracker tracker, bool shadow, out Meeting met) {
     vec3 direction = shadow ? path.to_light : path.direction;
-    if (!tracker.ready && !set_out(path, tracker, direction)) return false;
+    if (!tracker.ready && !set_out(path, tracker, direction, shadow)) return false;
 
     float value = 0.0, chance = 1.0; // of the field, and that the collision is real
     bool collided = false, arrived = false; // for real; at a surface or where the medium ends
@@ -435,11 +448,18 @@ void hold(inout Path path, Meeting met) {
     path.depth = uintBitsToFloat(search.triangle);
 }
 
-/// Looks for meshes before the end of a flight. False: not everywhere yet. `met`: what is first.
-bool look_for_meshes(inout Path path, out Meeting met, out MeshSearch search) {
+/// Looks for meshes before the end of a flight, or of a shadow ray to a lamp, whose transmittance is 0
+/// behind one. False: not everywhere yet. `met`: what a flight meets first.
+bool look_for_meshes(inout Path path, bool shadow, out Meeting met, out MeshSearch search) {
     search = MeshSearch(path.cell, path.transmittance, floatBitsToUint(path.depth));
-    bool ended = search_meshes(search, path.origin, path.direction, path.random);
+    if (shadow) search = MeshSearch(path.cell, path.pdf, MESH_END);
+    bool ended = search_meshes(search, path.origin, shadow ? path.to_light : path.direction, path.random,
+        shadow);
     path.cell = search.row;
+    if (shadow) {
+        if (search.triangle != MESH_END) path.transmittance = 0.0;
+        return ended || path.transmittance == 0.0;
+    }
     path.transmittance = search.t;
     path.depth = uintBitsToFloat(search.triangle);
     met.what = search.triangle != MESH_END ? MEETS_MESH : path.stage & ~PATH_MEETING;
@@ -465,15 +485,20 @@ void advance(inout Path path, inout Tracker tracker, inout uint budget) {
         if (!travel(path, tracker, shadow, met)) return;
         bool camera = path.bounces == 0u; // whose meshes are in the way already
         if (kMeshTree && !shadow && !camera) hold(path, met);
+        bool lamp = kLamps > 0u && path.pdf < kInfinity;
+        if (kMeshTree && shadow && lamp && path.transmittance > 0.0) {
+            path.stage |= PATH_MEETING;
+            path.cell = 0u;
+        }
     }
     MeshSearch search;
-    if (path.stage >= PATH_MEETING && !look_for_meshes(path, met, search)) return;
+    if (path.stage >= PATH_MEETING && !look_for_meshes(path, shadow && kLamps > 0u, met, search)) return;
 #else
     if (!travel(path, tracker, shadow, met)) return;
 #endif
     if (shadow) {
         path.radiance += path.pending * path.transmittance;
-        path.stage -= PATH_SHADOW;
+        path.stage &= ~(PATH_SHADOW | PATH_MEETING);
         path.t = -1.0;
         path.search = 0.0;
     } else if (met.what == MEETS_MEDIUM) {

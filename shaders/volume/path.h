@@ -27,7 +27,8 @@ struct Path {
     float t;             ///< how far the ray has come; < 0: it has not begun
     float depth;         ///< optical depth, under the majorants, to the next tentative collision
     float chance;        ///< uniform: that one is real for a flight where it is more likely
-    float pdf;           ///< of the direction, per steradian; < 0: no sampled light competes with it
+    float pdf;           ///< of the direction, per steradian; < 0: no sampled light competes with it.
+                         ///< Among meshes, where none does, the length of the shadow ray
     float search;        ///< up to where no surface is; < 0: the ray may begin in a solid
     uint cell;           ///< that t lies in, packed
     uint stage;          ///< PATH_*

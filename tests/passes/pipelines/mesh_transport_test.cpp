@@ -165,6 +165,56 @@ TEST_F(MeshTransportTest, AWallInTheSunLightsTheMediumInTheShade) {
     EXPECT_LT(z_of(found, expected), z_limit(3)) << found.mean << ' ' << expected;
 }
 
+TEST_F(MeshTransportTest, LampsLightTheMediumExceptBehindMeshes) {
+    // A lamp above the cube, a plate between it and the far side; the second time a spot light, and
+    // the sun from above.
+    const glm::dvec3 at(0.1, 1.5, 0.2);
+    const double edge = 0.1, intensity = 9, irradiance = kPi, inner = 0.1, outer = 0.4;
+    for (const LightType type : {LightType::point, LightType::spot}) {
+        const bool spot = type == LightType::spot;
+        Scene scene;
+        scene.materials = {matte(0), matte(0)};
+        scene.materials[1].emissive = glm::vec3(1e-6f); // the lamp's glass, which does not stop it
+        add(scene, rectangle({-4, 1, static_cast<float>(edge)}, {8, 0, 0}, {0, 0, -4}));
+        add(scene, rectangle({0.05f, 1.4f, 0}, {0.2f, 0, 0}, {0, 0, 0.4f}, 1));
+        scene.lights = {{.name = "lamp",
+            .type = type,
+            .position = at,
+            .direction = {0, -1, 0},
+            .intensity = glm::vec3(static_cast<float>(intensity)),
+            .inner_cone = static_cast<float>(inner),
+            .outer_cone = static_cast<float>(outer)}};
+        if (spot) {
+            scene.lights.push_back({.name = "sun",
+                .type = LightType::directional,
+                .direction = {0, -1, 0},
+                .intensity = glm::vec3(static_cast<float>(irradiance)),
+                .casts_shadow = true});
+        }
+        VolumeView view = lit_by(scene, fog(2, 0.8f, 0), glm::vec3(0.0f));
+        view.max_bounces = 1;
+        double expected = 0;
+        constexpr int kSteps = 20000;
+        for (int i = 0; i < kSteps; ++i) {
+            const double depth = (i + 0.5) / kSteps;
+            const glm::dvec3 p(0, 0, 0.5 - depth), way = at - p;
+            const double length = glm::length(way), scale = 1 / (std::cos(inner) - std::cos(outer));
+            const double cone =
+                spot ? std::clamp((way.y / length - std::cos(outer)) * scale, 0.0, 1.0) : 1.0;
+            const bool lit = p.z + way.z / way.y > edge, sunny = spot && p.z > edge;
+            const double inside = 0.5 * length / way.y; // it leaves by the upper side
+            const double lamp = intensity * cone * cone * std::exp(-2 * inside) / (length * length);
+            expected += 2 * std::exp(-2 * depth) * 0.8 / (4 * kPi) *
+                        ((lit ? lamp : 0) + (sunny ? irradiance * std::exp(-1.0) : 0)) / kSteps;
+        }
+        SurfaceVolumeParams p = params(16, VolumeMode::path);
+        p.medium.samples_per_step = 32;
+        const Estimate found = mean_of(render(scene, view, through_the_middle(), p, 4));
+        EXPECT_LT(found.error, 0.02 * expected);
+        EXPECT_LT(z_of(found, expected), z_limit(2)) << found.mean << ' ' << expected;
+    }
+}
+
 /// Six walls around the cube; without the last, a room with an open side.
 Scene room(float albedo, bool closed = true) {
     Scene scene;

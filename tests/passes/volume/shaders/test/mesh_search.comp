@@ -22,7 +22,7 @@ void main() {
     uint calls = 0u;
     bool ended = false;
     while (!ended && calls < 1000u) {
-        ended = search_meshes(search, rays.of[2u * i], rays.of[2u * i + 1u], uvec4(i, 1u, 2u, 3u));
+        ended = search_meshes(search, rays.of[2u * i], rays.of[2u * i + 1u], uvec4(i, 1u, 2u, 3u), false);
         ++calls;
     }
     hits.of[i] = uvec3(floatBitsToUint(search.t), search.triangle, calls);
