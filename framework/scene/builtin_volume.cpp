@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <vector>
 
 namespace ockham {
@@ -276,6 +277,25 @@ Volume builtin_volume(const std::string& name, std::uint32_t side) {
             name);
     volume.name = name;
     return volume;
+}
+
+Image sky_with_sun() {
+    constexpr int kWidth = 128, kHeight = 64;
+    constexpr double kPi = std::numbers::pi;
+    const glm::dvec3 sun = glm::normalize(glm::dvec3(-0.5, -0.7, 0.6));
+    Image image(kWidth, kHeight, {"R", "G", "B"});
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+            const double theta = kPi * (y + 0.5) / kHeight, phi = 2 * kPi * (x + 0.5) / kWidth;
+            const glm::dvec3 d(
+                std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+            const bool in_sun = glm::dot(d, sun) > std::cos(5.0 * kPi / 180);
+            const glm::dvec3 color =
+                in_sun ? glm::dvec3(130.0)
+                       : glm::mix(glm::dvec3(0.2), glm::dvec3(0.4, 0.5, 0.7), 0.5 + 0.5 * d.z);
+            for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(color[c]);
+        }
+    return image;
 }
 
 } // namespace ockham

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Volumes made by formulas on integers and exactly rounded arithmetic, so that every machine gets
-// the same bytes. For the first picture, for tests and for benchmarks without data. CPU only.
+// the same bytes, and a sky. For the first picture, for tests and for benchmarks without data. CPU
+// only.
 #pragma once
 
+#include "framework/core/image.hpp"
 #include "framework/scene/volume.hpp"
 
 #include <cstdint>
@@ -25,5 +27,9 @@ namespace ockham {
 ///  - constant: value 1 everywhere, in a cube; float.
 /// Throws Error(input) that lists the names.
 Volume builtin_volume(const std::string& name, std::uint32_t side = 128);
+
+/// 128 x 64 pixels R, G, B, equirectangular, zenith at +z: a sky, grey below the horizon, with a sun
+/// of 10 degrees across whose irradiance is about pi.
+Image sky_with_sun();
 
 } // namespace ockham

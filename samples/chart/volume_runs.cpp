@@ -4,6 +4,7 @@
 #include "framework/core/error.hpp"
 #include "framework/image_error/image_error.hpp"
 #include "framework/io/image_file.hpp"
+#include "framework/scene/builtin_volume.hpp"
 #include "passes/volume/frame.hpp"
 
 #include <fmt/format.h>
@@ -11,7 +12,6 @@
 
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 namespace ockham::chart {
 namespace {
@@ -118,25 +118,6 @@ VolumeScene VolumeScene::with_shading(const std::string& shading) const {
     VolumeScene scene = *this;
     scene.options.shading = shading;
     return scene;
-}
-
-Image sky_with_sun() {
-    constexpr int kWidth = 128, kHeight = 64;
-    constexpr double kPi = std::numbers::pi;
-    const glm::dvec3 sun = glm::normalize(glm::dvec3(-0.5, -0.7, 0.6));
-    Image image(kWidth, kHeight, {"R", "G", "B"});
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
-            const double theta = kPi * (y + 0.5) / kHeight, phi = 2 * kPi * (x + 0.5) / kWidth;
-            const glm::dvec3 d(
-                std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
-            const bool in_sun = glm::dot(d, sun) > std::cos(5.0 * kPi / 180);
-            const glm::dvec3 color =
-                in_sun ? glm::dvec3(130.0)
-                       : glm::mix(glm::dvec3(0.2), glm::dvec3(0.4, 0.5, 0.7), 0.5 + 0.5 * d.z);
-            for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(color[c]);
-        }
-    return image;
 }
 
 std::vector<VolumeScene> volume_scenes(const ChartOptions& options) {

@@ -31,10 +31,6 @@ struct VolumeScene {
     VolumeScene with_shading(const std::string& shading) const;
 };
 
-/// 128 x 64 pixels, zenith at +z: a sky, grey below the horizon, with a sun of 10 degrees across
-/// whose irradiance is about pi.
-Image sky_with_sun();
-
 /// Those of --volumes, or the built-in ones: "cloud" without surfaces, "fingers" with one.
 std::vector<VolumeScene> volume_scenes(const ChartOptions& options);
 

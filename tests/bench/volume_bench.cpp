@@ -109,26 +109,6 @@ double variance_of(std::span<const double> a, std::span<const double> b) {
 
 // ---- scenes
 
-/// A sky, grey below, with a sun of 10 degrees across whose irradiance is about pi.
-Image sky() {
-    constexpr int kWidth = 128, kHeight = 64;
-    constexpr double kPi = std::numbers::pi;
-    const glm::dvec3 sun = glm::normalize(glm::dvec3(-0.5, -0.7, 0.6));
-    Image image(kWidth, kHeight, {"R", "G", "B"});
-    for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x) {
-            const double theta = kPi * (y + 0.5) / kHeight, phi = 2 * kPi * (x + 0.5) / kWidth;
-            const glm::dvec3 d(
-                std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
-            const bool in_sun = glm::dot(d, sun) > std::cos(5.0 * kPi / 180);
-            const glm::dvec3 color =
-                in_sun ? glm::dvec3(130.0)
-                       : glm::mix(glm::dvec3(0.2), glm::dvec3(0.4, 0.5, 0.7), 0.5 + 0.5 * d.z);
-            for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(color[c]);
-        }
-    return image;
-}
-
 /// The opacity rises from 0 at the lowest value to 1 at the highest.
 TransferFunction ramp(double low, double high) {
     return {{{.value = low, .opacity = 0}, {.value = high, .opacity = 1}}};
@@ -257,7 +237,7 @@ Scene lit_scene(const std::string& name, const std::string& light, float density
     Scene scene = data_scene(name);
     scene.view.density_scale = density;
     scene.view.albedo = 0.9f;
-    if (light == "sky") scene.environment = sky();
+    if (light == "sky") scene.environment = sky_with_sun();
     if (light == "default") {
         scene.view.light_direction = {0.5f, 0.7f, -0.6f};
         scene.view.light_irradiance = glm::vec3(2.0f);
@@ -414,7 +394,7 @@ void camera_move(benchmark::State& state) {
     constexpr std::uint32_t kSide = 256;
     Scene scene{.volume = resampled(data_volume("engine"), 50)};
     scene.transfer = default_transfer(scene.volume);
-    scene.environment = sky();
+    scene.environment = sky_with_sun();
     scene.view.albedo = 0.9f;
     VolumeGiParams params = picture_params(kSide, 1);
     params.mode = VolumeMode::caching;
@@ -447,7 +427,7 @@ void camera_move(benchmark::State& state) {
 /// the volume, for all of it would take half an hour at full resolution.
 void cache_memory(benchmark::State& state) {
     Scene scene = data_scene("cranium_ct");
-    scene.environment = sky();
+    scene.environment = sky_with_sun();
     scene.view.albedo = 0.9f;
     VolumeGiParams params = picture_params(64, 1);
     params.mode = VolumeMode::caching;
@@ -491,7 +471,7 @@ void convergence(benchmark::State& state, bool sobol) {
     constexpr std::uint32_t kScramblings = 16;
     Scene scene{.volume = builtin_volume("builtin:cloud", 64), .transfer = ramp(0, 1)};
     scene.transfer = default_transfer(scene.volume);
-    scene.environment = sky();
+    scene.environment = sky_with_sun();
     scene.view.density_scale = 30;
     scene.view.albedo = 0.9f;
     VolumeGiParams params = picture_params(8, 16);

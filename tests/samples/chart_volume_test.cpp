@@ -10,7 +10,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <numbers>
 #include <set>
 
 namespace ockham::chart {
@@ -52,17 +51,6 @@ TEST(SurfaceTruth, FindsAPlane) {
     for (const double depth : surface_truth(volume, 100, camera, 4)) EXPECT_LT(depth, 0);
     camera.forward = -camera.forward;
     for (const double depth : surface_truth(volume, 20, camera, 4)) EXPECT_LT(depth, 0);
-}
-
-TEST(Sky, ItsSunIrradiatesByAboutPi) {
-    const Image sky = sky_with_sun();
-    double irradiance = 0;
-    for (int y = 0; y < sky.height(); ++y)
-        for (int x = 0; x < sky.width(); ++x)
-            if (sky.at(x, y, 0) > 100)
-                irradiance += sky.at(x, y, 0) * std::sin(std::numbers::pi * (y + 0.5) / 64) *
-                              (std::numbers::pi / 64) * (2 * std::numbers::pi / 128);
-    EXPECT_NEAR(irradiance, std::numbers::pi, 0.4);
 }
 
 class ChartVolumeTest : public test::GpuTest {

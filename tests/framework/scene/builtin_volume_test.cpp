@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -198,6 +199,17 @@ TEST(BuiltinVolumeTest, RefusesOtherNamesAndSides) {
         refusal("builtin:cloud", 0), "volume 'builtin:cloud': 0 voxels a side, expected 1 to 1024");
     EXPECT_EQ(refusal("builtin:cloud", 1025),
         "volume 'builtin:cloud': 1025 voxels a side, expected 1 to 1024");
+}
+
+TEST(Sky, ItsSunIrradiatesByAboutPi) {
+    const Image sky = sky_with_sun();
+    double irradiance = 0;
+    for (int y = 0; y < sky.height(); ++y)
+        for (int x = 0; x < sky.width(); ++x)
+            if (sky.at(x, y, 0) > 100)
+                irradiance += sky.at(x, y, 0) * std::sin(std::numbers::pi * (y + 0.5) / 64) *
+                              (std::numbers::pi / 64) * (2 * std::numbers::pi / 128);
+    EXPECT_NEAR(irradiance, std::numbers::pi, 0.4);
 }
 
 } // namespace
