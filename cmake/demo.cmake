@@ -91,7 +91,7 @@ demo("Shells of 1 to 8 voxels, cut open: surfaces are met exactly, however thin"
 demo("The shells as fog, from three sides that share the light in a cache"
   WRITES shells_turn0.png shells_turn1.png shells_turn2.png
   RUN volume_gi builtin:shells --mode caching --gather off --cache-scale 4 --density-scale 20
-    --width 320 --height 240 --steps 4 --camera "0.7,-1.9,0.8 0,0,0 30" --turntable 3
+    --width 320 --height 240 --steps 16 --camera "0.7,-1.9,0.8 0,0,0 30" --turntable 3
     -o shells_turn%d.png)
 
 demo("A cloud among meshes: each shadows the other, in one graph"
