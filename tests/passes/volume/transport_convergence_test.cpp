@@ -24,6 +24,8 @@ TEST_F(TransportConvergence, CubesOfFineCellsHaveTheValuesOfAnIndependentTracer)
             << "albedo " << row.albedo << ", g " << row.g << ": " << mean.mean << " +- "
             << mean.error;
         EXPECT_LE(mean.error, 5e-4);
+        RecordProperty(fmt::format("albedo_{}_g_{}", row.albedo, row.g),
+            fmt::format("{:.5f} +- {:.5f}", mean.mean, mean.error));
     }
 }
 
