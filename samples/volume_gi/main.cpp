@@ -309,6 +309,7 @@ private:
         seconds_ = checkpoint.progress.at("seconds");
         rows_ = checkpoint.progress.at("rows");
         log::info("resumed '{}' after {} steps", o_.resume, gi_.steps());
+        if (gi_.steps() >= last_step()) gi_.drain(); // no step is left to make the picture
     }
 
     const Options& o_;

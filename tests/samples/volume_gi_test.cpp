@@ -157,6 +157,13 @@ TEST_F(VolumeGiProgram, resumed_runs_equal_unbroken_ones) {
     }
 }
 
+TEST_F(VolumeGiProgram, a_finished_run_resumed_gives_its_picture_again) {
+    for (const std::string mode : {"--mode path", "--mode caching --gather off"}) {
+        const Image whole = picture(mode + " --steps 2 --checkpoint done.check");
+        EXPECT_TRUE(equal(whole, picture(mode + " --steps 2 --resume done.check"))) << mode;
+    }
+}
+
 TEST_F(VolumeGiProgram, killed_runs_go_on_from_their_checkpoint) {
     const std::string ball = "ball.json --transfer thin.json --density-scale 8 --width 16 "
                              "--height 16 --camera '0,-2.6,0 0,0,0 30' --quiet --mode caching ";
