@@ -28,8 +28,8 @@ namespace ockham {
 /// Throws Error(input) that lists the names.
 Volume builtin_volume(const std::string& name, std::uint32_t side = 128);
 
-/// 128 x 64 pixels R, G, B, equirectangular, zenith at +z: a sky, grey below the horizon, with a sun
-/// of 10 degrees across whose irradiance is about pi.
+/// 128 x 64 pixels R, G, B, equirectangular, zenith at +z: a sky, grey below the horizon, with a
+/// sun of 10 degrees across whose irradiance is about pi.
 Image sky_with_sun();
 
 } // namespace ockham
