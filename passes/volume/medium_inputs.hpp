@@ -56,8 +56,8 @@ Specialization medium_specialization(const MediumInputs& in);
 /// a camera are followed. mesh_variant() adds the feature to a name by medium_variant().
 void read_meshes(PassBuilder& pass, const MediumInputs& in, bool camera);
 std::string mesh_variant(std::string variant, const MediumInputs& in);
-/// For kernels that follow paths: what shaders/volume/mesh_tree.glsl and lamps.glsl read besides, and
-/// constants.
+/// For kernels that follow paths: what volume/mesh_tree.glsl and volume/lamps.glsl read besides,
+/// and constants.
 void read_mesh_tree(PassBuilder& pass, const MediumInputs& in);
 Specialization path_specialization(const MediumInputs& in);
 
