@@ -324,6 +324,10 @@ Wipe VolumeSuite::wipe(const Store& store, const VolumeScene& scene) const {
         const std::vector<Repeat>& repeats = store.repeats(job);
         if (repeats.empty() || !repeats.front().pictures.contains("picture")) continue;
         const auto& pictures = repeats.front().pictures;
+        const auto error = pictures.find("error");
+        wipe.sides.push_back({job.series, pictures.at("picture"),
+            error == pictures.end() ? std::string() : error->second});
+    }
     // As add_run() compares them.
     const auto picture_of = [&](const std::string& series) {
         for (const Wipe::Side& side : wipe.sides)
@@ -335,10 +339,6 @@ Wipe VolumeSuite::wipe(const Store& store, const VolumeScene& scene) const {
     for (Wipe::Side& side : wipe.sides)
         if (!side.label.starts_with("reference") && side.label.find(", ") == std::string::npos)
             side.reference = side.label == "path" || local.empty() ? path : local;
-        const auto error = pictures.find("error");
-        wipe.sides.push_back({job.series, pictures.at("picture"),
-            error == pictures.end() ? std::string() : error->second});
-    }
     return wipe;
 }
 
