@@ -3,6 +3,7 @@
 
 #include "framework/core/error.hpp"
 #include "framework/core/json_object.hpp"
+#include "samples/chart/falling_curve.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,65 +38,15 @@ AaChart parse(const nlohmann::json& json, const std::string& file) {
     return chart;
 }
 
-/// One quantity over log lambda, never rising with it.
-class Falling {
-public:
-    Falling(const AaClass& scenes, double AaClass::Entry::*value) {
-        for (const AaClass::Entry& entry : scenes.entries) {
-            x_.push_back(std::log(entry.lambda));
-            y_.push_back(entry.*value);
-        }
-        // The nearest sequence that falls: neighbours that rise are averaged (isotonic regression).
-        std::vector<double> mean;
-        std::vector<std::size_t> size;
-        for (const double y : y_) {
-            mean.push_back(y), size.push_back(1);
-            while (mean.size() > 1 && mean[mean.size() - 2] < mean.back()) {
-                const std::size_t a = size[size.size() - 2], b = size.back();
-                const double sum = mean[mean.size() - 2] * static_cast<double>(a) +
-                                   mean.back() * static_cast<double>(b);
-                mean.pop_back(), size.pop_back();
-                mean.back() = sum / static_cast<double>(a + b), size.back() = a + b;
-            }
-        }
-        std::size_t i = 0;
-        for (std::size_t block = 0; block < mean.size(); ++block)
-            for (std::size_t k = 0; k < size[block]; ++k) y_[i++] = mean[block];
+/// One quantity over lambda.
+FallingCurve falling(const AaClass& scenes, double AaClass::Entry::*value) {
+    std::vector<double> lambdas, values;
+    for (const AaClass::Entry& entry : scenes.entries) {
+        lambdas.push_back(entry.lambda);
+        values.push_back(entry.*value);
     }
-
-    double at(double lambda) const {
-        const double x = std::log(lambda);
-        if (x <= x_.front()) return y_.front();
-        if (x >= x_.back()) return y_.back();
-        const auto above =
-            static_cast<std::size_t>(std::upper_bound(x_.begin(), x_.end(), x) - x_.begin());
-        const double t = (x - x_[above - 1]) / (x_[above] - x_[above - 1]);
-        return std::lerp(y_[above - 1], y_[above], t);
-    }
-    /// The largest lambda whose value is at least `y`; the smallest there is where none is.
-    double last_at_least(double y) const {
-        for (std::size_t i = y_.size(); i-- > 0;) {
-            if (y_[i] < y) continue;
-            if (i + 1 == y_.size()) return std::exp(x_.back());
-            return std::exp(std::lerp(x_[i], x_[i + 1], (y_[i] - y) / (y_[i] - y_[i + 1])));
-        }
-        return std::exp(x_.front());
-    }
-    /// The smallest lambda whose value is at most `y`; the largest there is where none is.
-    double first_at_most(double y) const {
-        for (std::size_t i = 0; i < y_.size(); ++i) {
-            if (y_[i] > y) continue;
-            if (i == 0) return std::exp(x_.front());
-            return std::exp(std::lerp(x_[i - 1], x_[i], (y_[i - 1] - y) / (y_[i - 1] - y_[i])));
-        }
-        return std::exp(x_.back());
-    }
-    double most() const { return y_.front(); }
-    double least() const { return y_.back(); }
-
-private:
-    std::vector<double> x_, y_;
-};
+    return {lambdas, std::move(values)};
+}
 
 } // namespace
 
@@ -122,7 +73,7 @@ std::string to_json(const AaChart& chart) {
 const AaClass& class_of(const AaChart& chart, const AaProbe& probe) {
     check(!chart.classes.empty() && probe.samples_percent > 0, "classes and a probe");
     const auto distance = [&](const AaClass& scenes) {
-        const double share = Falling(scenes, &AaClass::Entry::samples_percent).at(probe.lambda);
+        const double share = falling(scenes, &AaClass::Entry::samples_percent).at(probe.lambda);
         return std::abs(std::log(share / probe.samples_percent));
     };
     return *std::min_element(chart.classes.begin(), chart.classes.end(),
@@ -130,16 +81,16 @@ const AaClass& class_of(const AaChart& chart, const AaProbe& probe) {
 }
 
 AaChoice predict(const AaClass& scenes, const AaProbe& probe, double lambda) {
-    const Falling ms(scenes, &AaClass::Entry::total_gpu_ms);
+    const FallingCurve ms = falling(scenes, &AaClass::Entry::total_gpu_ms);
     return {.class_name = scenes.name,
         .lambda = lambda,
-        .psnr = Falling(scenes, &AaClass::Entry::psnr).at(lambda),
+        .psnr = falling(scenes, &AaClass::Entry::psnr).at(lambda),
         .total_gpu_ms = probe.total_gpu_ms * ms.at(lambda) / ms.at(probe.lambda)};
 }
 
 AaChoice choose_by_psnr(const AaChart& chart, const AaProbe& probe, double decibels) {
     const AaClass& scenes = class_of(chart, probe);
-    const Falling psnr(scenes, &AaClass::Entry::psnr);
+    const FallingCurve psnr = falling(scenes, &AaClass::Entry::psnr);
     AaChoice choice = predict(scenes, probe, psnr.last_at_least(decibels));
     choice.reached = psnr.most() >= decibels;
     return choice;
@@ -147,7 +98,7 @@ AaChoice choose_by_psnr(const AaChart& chart, const AaProbe& probe, double decib
 
 AaChoice choose_by_time(const AaChart& chart, const AaProbe& probe, double milliseconds) {
     const AaClass& scenes = class_of(chart, probe);
-    const Falling ms(scenes, &AaClass::Entry::total_gpu_ms);
+    const FallingCurve ms = falling(scenes, &AaClass::Entry::total_gpu_ms);
     const double scale = ms.at(probe.lambda) / probe.total_gpu_ms;
     AaChoice choice = predict(scenes, probe, ms.first_at_most(milliseconds * scale));
     choice.reached = ms.least() <= milliseconds * scale;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "samples/chart/aa_suite.hpp"
+#include "samples/chart/prediction.hpp"
 
 #include <fmt/format.h>
 
@@ -63,15 +64,6 @@ const Point* shown(
     return found == points.end() ? nullptr : &*found;
 }
 
-std::string file_stem(const std::string& scene) {
-    std::string stem = "aa_";
-    for (const char c : scene)
-        stem += std::isalnum(static_cast<unsigned char>(c)) != 0
-                    ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
-                    : '_';
-    return stem;
-}
-
 /// The frame at the default lambda; nothing where it was not measured.
 std::optional<AaProbe> probe_of(const AaChart& chart) {
     if (chart.classes.empty()) return std::nullopt;
@@ -81,13 +73,17 @@ std::optional<AaProbe> probe_of(const AaChart& chart) {
     return std::nullopt;
 }
 
+std::string setting_of(const AaChoice& choice) {
+    return fmt::format("{:.3g} by {}", choice.lambda, choice.class_name);
+}
+
 /// What a choice by the program's chart, without the class of the scene itself, asks for and gets.
 class Prediction {
 public:
     Prediction(const std::vector<Point>& points, const std::vector<std::string>& scenes) {
         for (const std::string& scene : scenes) add(points, scene);
-        by_psnr_.curves.push_back(equal(by_psnr_));
-        by_time_.curves.push_back(equal(by_time_));
+        by_psnr_.curves.push_back(as_asked(by_psnr_));
+        by_time_.curves.push_back(as_asked(by_time_));
     }
     std::vector<Plot> plots() const {
         if (by_psnr_.curves.size() < 2) return {};
@@ -105,36 +101,18 @@ private:
         for (double asked = 34; asked <= 52; asked += 2) {
             const AaChoice choice = choose_by_psnr(others, *probe, asked);
             const AaChoice got = predict(own.classes.front(), *probe, choice.lambda);
-            if (choice.reached) psnr.points.push_back(point(asked, got.psnr, choice));
+            if (choice.reached)
+                psnr.points.push_back(obtained(asked, got.psnr, setting_of(choice)));
         }
         for (double share = 0.5; share <= 1.5; share += 0.1) {
             const double asked = share * probe->total_gpu_ms;
             const AaChoice choice = choose_by_time(others, *probe, asked);
             const AaChoice got = predict(own.classes.front(), *probe, choice.lambda);
-            if (choice.reached) time.points.push_back(point(asked, got.total_gpu_ms, choice));
+            if (choice.reached)
+                time.points.push_back(obtained(asked, got.total_gpu_ms, setting_of(choice)));
         }
         by_psnr_.curves.push_back(std::move(psnr));
         by_time_.curves.push_back(std::move(time));
-    }
-
-    static PlotPoint point(double asked, double got, const AaChoice& choice) {
-        return {.x = {asked, asked, asked},
-            .y = {got, got, got},
-            .setting = fmt::format("{:.3g} by {}", choice.lambda, choice.class_name),
-            .command = {},
-            .x_values = {asked},
-            .y_values = {got}};
-    }
-
-    static Curve equal(const Plot& plot) {
-        Curve curve{.legend = "as asked", .kind = Curve::Kind::limit};
-        for (const Curve& c : plot.curves)
-            for (const PlotPoint& p : c.points)
-                curve.points.push_back(point(p.x.median, p.x.median, {}));
-        std::sort(curve.points.begin(), curve.points.end(),
-            [](const PlotPoint& a, const PlotPoint& b) { return a.x.median < b.x.median; });
-        for (PlotPoint& p : curve.points) p.setting.clear();
-        return curve;
     }
 
     Plot by_psnr_{.name = "aa_choice_psnr",
@@ -159,7 +137,7 @@ public:
     /// Error of every method against what it costs.
     Plot methods(const char* name, Axis x, Axis y, const std::string& question,
         const std::string& caption) const {
-        Plot plot{.name = file_stem(scene_) + name,
+        Plot plot{.name = "aa_" + stem_of(scene_) + name,
             .question = question + ": " + scene_,
             .x = std::move(x),
             .y = std::move(y),
@@ -276,7 +254,7 @@ public:
     /// One curve for each way to dispatch; none where they were not measured on this scene.
     Plot dispatches(const char* name, const char* value, const std::string& label,
         const std::string& question, const std::string& caption) const {
-        Plot plot{.name = file_stem(scene_) + name,
+        Plot plot{.name = "aa_" + stem_of(scene_) + name,
             .question = question + ": " + scene_,
             .x = {"samples_percent", "shaded samples (% of 4 × 4)"},
             .y = {value, label, false, Better::neither},
@@ -290,7 +268,7 @@ public:
     }
 
     Table table() const {
-        Table table{.name = file_stem(scene_) + "_table",
+        Table table{.name = "aa_" + stem_of(scene_) + "_table",
             .title = "Methods at their defaults: " + scene_,
             .columns = {"method", "knob", "samples %", "frame ms", "shading ms", "stalled frame ms",
                 "stalled shading ms", "PSNR dB", "SSIM", "FLIP", "PSNR dB, 16 × 16", "captured",

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -219,6 +220,15 @@ std::vector<PlotPoint> pareto_front(const Plot& plot) {
     std::stable_sort(front.begin(), front.end(),
         [](const PlotPoint& a, const PlotPoint& b) { return a.x.median < b.x.median; });
     return front;
+}
+
+std::string stem_of(const std::string& text) {
+    std::string stem;
+    for (const char c : text)
+        stem += std::isalnum(static_cast<unsigned char>(c))
+                    ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
+                    : '_';
+    return stem;
 }
 
 std::string csv_cell(const std::string& text) {

@@ -69,6 +69,8 @@ std::vector<PlotPoint> pareto_front(const Plot& plot);
 /// A heading and a row for each point: series, setting, median and reach of x and y, the repeats'
 /// values, whether it is on the front, command. Marks come last, with "mark" for a setting.
 std::string csv(const Plot& plot);
+/// A text as a Plot::name: lower case, digits and '_'.
+std::string stem_of(const std::string& text);
 /// A text as a cell of CSV: quoted where it must be.
 std::string csv_cell(const std::string& text);
 /// What gnuplot draws `svg` from.

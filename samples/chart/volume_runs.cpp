@@ -2,10 +2,12 @@
 #include "samples/chart/volume_runs.hpp"
 
 #include "framework/core/error.hpp"
+#include "framework/core/timer.hpp"
 #include "framework/image_error/image_error.hpp"
 #include "framework/io/image_file.hpp"
 #include "framework/scene/builtin_volume.hpp"
 #include "passes/volume/frame.hpp"
+#include "samples/chart/volume_choice.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -17,6 +19,9 @@ namespace ockham::chart {
 namespace {
 
 constexpr const char* kSkyFile = "sky.exr";
+/// Of a half: after that the errors are small enough to be told, and the suites have an end.
+constexpr double kReferenceSeconds = 60;
+constexpr std::uint64_t kMostTogether = 16; ///< steps of an execution, as in volume_gi
 constexpr std::uint32_t kReferenceSeed = 1u << 20; ///< far from those of runs
 
 /// What is known to look well of the volumes that people have; others get the defaults.
@@ -135,6 +140,29 @@ std::vector<VolumeScene> volume_scenes(const ChartOptions& options) {
     return scenes;
 }
 
+std::vector<VolumeScene> class_scenes(const ChartOptions& options) {
+    std::vector<VolumeScene> scenes = volume_scenes(options);
+    if (!options.volumes.empty()) return scenes;
+    const auto add = [&](const char* name, const char* volume, float density) -> VolumeScene& {
+        scenes.push_back(
+            given_scene(fmt::format("builtin:{}{}", volume, options.quick ? ":48" : "")));
+        scenes.back().name = name;
+        scenes.back().options.density_scale = density;
+        return scenes.back();
+    };
+    add("thin cloud", "cloud", 6);
+    VolumeScene& milk = add("milk", "constant", 20);
+    milk.options.albedo = 1;
+    milk.options.window = "0.5,1"; // opacity = value
+    VolumeScene& cluster = add("cluster", "cluster", 40);
+    cluster.options.transfer = "smoke";
+    cluster.options.iso = "120";
+    VolumeScene& shells = add("shells", "shells", 4);
+    shells.options.transfer = "smoke";
+    shells.options.iso = "100";
+    return scenes;
+}
+
 double cpu_seconds() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -160,11 +188,14 @@ const VolumeReference& VolumeReferences::of(const VolumeScene& scene, VolumeMode
     const int steps = context_.options.quick ? 8 : 256;
     constexpr std::uint32_t kPerStep = 32;
     Image halves[2];
+    double samples = 0;
     for (std::uint32_t half = 0; half < 2; ++half) {
         const std::filesystem::path file =
             folder / fmt::format("{}_{}.exr", fingerprint(what), half);
         if (std::filesystem::exists(file)) {
             halves[half] = load_image(file);
+            const std::string& taken = halves[half].metadata["samples"];
+            samples += taken.empty() ? double(steps) * kPerStep : std::stod(taken);
             continue;
         }
         VolumeGiParams params;
@@ -177,24 +208,29 @@ const VolumeReference& VolumeReferences::of(const VolumeScene& scene, VolumeMode
         VolumeGi gi(context_.device(), source.volume, source.transfer, source.environment,
             source.view, scene.view(), params);
         gi.execute(); // there is a picture, interrupted or not
-        for (int step = 1; step < steps && !interrupted(); ++step) gi.execute();
+        int step = 1;
+        for (const Timer timer;
+             step < steps && timer.seconds() < kReferenceSeconds && !interrupted(); ++step)
+            gi.execute();
         gi.finish();
         halves[half] = gi.picture();
+        const int taken = step * static_cast<int>(kPerStep);
+        samples += taken;
+        halves[half].metadata["samples"] = fmt::format("{}", taken);
         halves[half].metadata["command"] = fmt::format(
             "volume_gi {} --mode {} --sampler independent --steps {} --seed {} --width {} "
             "--height {}",
-            scene.flags(), name_of(mode), steps * static_cast<int>(kPerStep), kReferenceSeed + half,
-            side_, side_);
+            scene.flags(), name_of(mode), taken, kReferenceSeed + half, side_, side_);
         if (!interrupted()) save_image(file, halves[half]);
     }
-    return kept_[what] = reference_of(halves[0], halves[1], 2.0 * steps * kPerStep);
+    return kept_[what] = reference_of(halves[0], halves[1], samples);
 }
 
 VolumeRun::VolumeRun(gpu::Device& device, const VolumeScene& scene, const VolumeGiParams& params,
-    const VolumeReference& reference, double seconds)
-    : source_(scene.load()), reference_(reference), seconds_(seconds), seed_(source_.view.seed),
-      gi_(device, source_.volume, source_.transfer, source_.environment, source_.view, scene.view(),
-          params) {
+    const VolumeReference& reference, double seconds, const VolumeReference* truth)
+    : source_(scene.load()), reference_(reference), truth_(truth), seconds_(seconds),
+      seed_(source_.view.seed), gi_(device, source_.volume, source_.transfer, source_.environment,
+                                    source_.view, scene.view(), params) {
     gi_.execute(); // compiles kernels, uploads
     gi_.finish();
 }
@@ -204,11 +240,13 @@ std::vector<Row> VolumeRun::measure() {
     gi_.set_view(source_.view);
     std::vector<Row> rows;
     double gpu = 0, cpu = 0;
-    for (std::uint64_t steps = 1; gpu < seconds_ && steps < 65536; steps *= 2) {
+    const std::uint64_t least = truth_ != nullptr ? kProbeSteps : 1; // else it is no class
+    for (std::uint64_t steps = 1; (gpu < seconds_ || steps <= least) && steps < 65536; steps *= 2) {
         const double start = cpu_seconds();
         while (gi_.steps() < steps) {
             if (interrupted()) return rows;
-            gi_.execute();
+            const std::uint64_t missing = std::min(steps - gi_.steps(), kMostTogether);
+            gi_.execute(gi_.steps_together() ? static_cast<std::uint32_t>(missing) : 1);
             gpu += gpu_seconds(gi_.executor());
         }
         while (!gi_.finished()) {
@@ -216,7 +254,8 @@ std::vector<Row> VolumeRun::measure() {
             gpu += gpu_seconds(gi_.executor());
         }
         cpu += cpu_seconds() - start;
-        const ImageError error = image_error(gi_.picture(), reference_.picture);
+        const Image picture = gi_.picture();
+        const ImageError error = image_error(picture, reference_.picture);
         const VolumeStatistics now = gi_.statistics();
         rows.push_back({.knob = static_cast<double>(steps),
             .values = {{"samples", static_cast<double>(steps)}, {"gpu_seconds", gpu},
@@ -226,6 +265,9 @@ std::vector<Row> VolumeRun::measure() {
                 {"cells", static_cast<double>(now.cells)},
                 {"cell_bytes", static_cast<double>(now.cell_bytes)},
                 {"converged", now.cache_converged ? 1.0 : 0.0}}});
+        if (truth_ != nullptr)
+            rows.back().values["true_psnr"] =
+                truth_ == &reference_ ? error.psnr : image_error(picture, truth_->picture).psnr;
     }
     return rows;
 }

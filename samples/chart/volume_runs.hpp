@@ -34,6 +34,10 @@ struct VolumeScene {
 /// Those of --volumes, or the built-in ones: "cloud" without surfaces, "fingers" with one.
 std::vector<VolumeScene> volume_scenes(const ChartOptions& options);
 
+/// The same, and where they are the built-in ones others, of as many kinds as a choice by scenes
+/// should know: thin, thick and white media, small and many surfaces.
+std::vector<VolumeScene> class_scenes(const ChartOptions& options);
+
 /// A picture that others are compared with. Errors are its own, against what it would converge to,
 /// from how much its two halves differ: ImageError's mse and relmse.
 struct VolumeReference {
@@ -47,7 +51,7 @@ class VolumeReferences {
 public:
     VolumeReferences(Context& context, std::uint32_t side) : context_(context), side_(side) {}
     /// Of mode path or noncaching, `side` x `side` pixels; 512 samples per pixel with --quick,
-    /// 16,384 without.
+    /// 16,384 without, or those of two minutes.
     const VolumeReference& of(const VolumeScene& scene, VolumeMode mode);
 
 private:
@@ -67,14 +71,16 @@ double gpu_seconds(const Executor& executor);
 /// cell_bytes, converged (the cache: 0 or 1).
 class VolumeRun : public Subject {
 public:
+    /// With `truth`, true_psnr too: against that; and at least the steps of a probe (volume_choice).
     VolumeRun(gpu::Device& device, const VolumeScene& scene, const VolumeGiParams& params,
-        const VolumeReference& reference, double seconds);
+        const VolumeReference& reference, double seconds, const VolumeReference* truth = nullptr);
     std::vector<Row> measure() override;
     std::map<std::string, Picture> pictures() override;
 
 private:
     VolumeSource source_;
     const VolumeReference& reference_;
+    const VolumeReference* truth_;
     double seconds_;
     std::uint32_t seed_;
     VolumeGi gi_;

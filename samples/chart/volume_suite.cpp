@@ -1,27 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "samples/chart/volume_suite.hpp"
 
+#include "framework/core/file.hpp"
 #include "framework/image_error/image_error.hpp"
 #include "samples/chart/surface_search.hpp"
+#include "samples/chart/volume_prediction.hpp"
 #include "samples/chart/volume_runs.hpp"
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <cmath>
 
 namespace ockham::chart {
 namespace {
 
-/// A way to find light, as a curve.
-struct Technique {
-    const char* name;
-    VolumeMode mode;
-    bool gather;
-};
-constexpr Technique kTechniques[] = {{"path", VolumeMode::path, true},
-    {"noncaching", VolumeMode::noncaching, true}, {"gathered cache", VolumeMode::caching, true},
-    {"composed cache", VolumeMode::caching, false}};
 constexpr const char* kShadings[] = {"lambert", "phong", "disney"};
 constexpr CacheFormat kFormats[] = {CacheFormat::fp32, CacheFormat::fp16, CacheFormat::rgb9e5};
 
@@ -41,10 +33,10 @@ public:
     Section report(const Store& store, const std::vector<Point>& points) override;
 
 private:
-    VolumeGiParams params(const Technique& technique) const;
+    VolumeGiParams params(const VolumeTechnique& technique) const;
     Job job(const VolumeScene& scene, const std::string& series, const std::string& flags) const;
     void add_run(const VolumeScene& scene, const std::string& series, const std::string& flags,
-        const VolumeGiParams& params);
+        const VolumeGiParams& params, bool in_class = false);
     void add_reference(const VolumeScene& scene, VolumeMode mode);
     void add_modes(const VolumeScene& scene);
     void add_shadings(const VolumeScene& scene);
@@ -63,6 +55,7 @@ private:
     std::uint32_t side_;
     double seconds_; ///< of a run
     std::vector<VolumeScene> scenes_;
+    std::vector<VolumeScene> classes_;         ///< those, and others that choices are made by
     std::optional<VolumeScene> surface_scene_; ///< the first that has an isosurface
     VolumeScene estimator_scene_, search_scene_;
     VolumeReferences references_;
@@ -72,7 +65,7 @@ private:
 VolumeSuite::VolumeSuite(Context& context)
     : context_(context), side_(context.options.quick ? 64 : 160),
       seconds_(context.options.quick ? 0.8 : 12), scenes_(volume_scenes(context.options)),
-      references_(context, side_) {
+      classes_(class_scenes(context.options)), references_(context, side_) {
     for (const VolumeScene& scene : scenes_)
         if (!surface_scene_ && !scene.options.iso.empty()) surface_scene_ = scene;
     estimator_scene_ = scenes_.front();
@@ -85,14 +78,14 @@ VolumeSuite::VolumeSuite(Context& context)
     search_scene_.options.iso = "100";
     search_scene_.options.transfer = "smoke";
 
-    for (const VolumeScene& scene : scenes_) add_modes(scene);
+    for (const VolumeScene& scene : classes_) add_modes(scene);
     if (surface_scene_) add_shadings(*surface_scene_);
     add_estimators(estimator_scene_);
     for (const VolumeScene& scene : scenes_) add_caches(scene);
     add_searches();
 }
 
-VolumeGiParams VolumeSuite::params(const Technique& technique) const {
+VolumeGiParams VolumeSuite::params(const VolumeTechnique& technique) const {
     VolumeGiParams p;
     p.width = p.height = side_;
     p.mode = technique.mode;
@@ -114,13 +107,14 @@ Job VolumeSuite::job(
 }
 
 void VolumeSuite::add_run(const VolumeScene& scene, const std::string& series,
-    const std::string& flags, const VolumeGiParams& params) {
+    const std::string& flags, const VolumeGiParams& params, bool in_class) {
     // With surfaces, path has another transport than the other two.
     const VolumeMode mode =
         params.mode == VolumeMode::path ? VolumeMode::path : VolumeMode::noncaching;
-    list_.add(job(scene, series, flags), [this, scene, params, mode] {
-        return std::make_unique<VolumeRun>(
-            context_.device(), scene, params, references_.of(scene, mode), seconds_);
+    list_.add(job(scene, series, flags), [this, scene, params, mode, in_class] {
+        const VolumeReference& reference = references_.of(scene, mode);
+        return std::make_unique<VolumeRun>(context_.device(), scene, params, reference, seconds_,
+            in_class ? &references_.of(scene, VolumeMode::path) : nullptr);
     });
 }
 
@@ -144,11 +138,11 @@ void VolumeSuite::add_reference(const VolumeScene& scene, VolumeMode mode) {
 void VolumeSuite::add_modes(const VolumeScene& scene) {
     add_reference(scene, VolumeMode::path);
     if (!scene.options.iso.empty()) add_reference(scene, VolumeMode::noncaching);
-    for (const Technique& technique : kTechniques) {
+    for (const VolumeTechnique& technique : kVolumeTechniques) {
         std::string flags = fmt::format("--mode {}", ockham::name_of(technique.mode));
         if (technique.mode == VolumeMode::caching)
             flags += technique.gather ? " --gather on" : " --gather off";
-        add_run(scene, technique.name, flags, params(technique));
+        add_run(scene, name_of(technique), flags, params(technique), true);
     }
 }
 
@@ -157,7 +151,7 @@ void VolumeSuite::add_shadings(const VolumeScene& scene) {
         if (scene.options.shading == shading) continue; // add_modes() has it
         const VolumeScene shaded = scene.with_shading(shading);
         add_reference(shaded, VolumeMode::noncaching);
-        for (const Technique& technique : {kTechniques[1], kTechniques[2]}) {
+        for (const VolumeTechnique& technique : {kVolumeTechniques[1], kVolumeTechniques[2]}) {
             add_run(shaded, fmt::format("{}, {}", ockham::name_of(technique.mode), shading),
                 fmt::format("--mode {}", ockham::name_of(technique.mode)), params(technique));
         }
@@ -168,7 +162,7 @@ void VolumeSuite::add_estimators(const VolumeScene& scene) {
     add_reference(scene, VolumeMode::path);
     for (const bool grid : {true, false})
         for (const bool nee : {true, false}) {
-            VolumeGiParams p = params(kTechniques[0]);
+            VolumeGiParams p = params(kVolumeTechniques[0]);
             p.majorant_grid = grid;
             p.nee = nee;
             add_run(scene,
@@ -187,7 +181,7 @@ void VolumeSuite::add_caches(const VolumeScene& scene) {
             const bool quick = context_.options.quick;
             if (quick && (scale == 1 || (scale != 2 && format != CacheFormat::fp16))) continue;
             if (quick && &scene != &scenes_.back()) continue;
-            VolumeGiParams p = params(kTechniques[3]);
+            VolumeGiParams p = params(kVolumeTechniques[3]);
             p.cache_format = format;
             p.cache_scale = scale;
             p.cache_error = quick ? 0.2f : 0.05f;
@@ -203,7 +197,7 @@ void VolumeSuite::add_caches(const VolumeScene& scene) {
                     VolumeGi gi(context_.device(), source.volume, source.transfer,
                         source.environment, source.view, scene.view(), p);
                     const double gpu =
-                        converge(gi, context_.options.quick ? 120 : 4000, 20 * seconds_);
+                        converge(gi, context_.options.quick ? 120 : 4000, 5 * seconds_);
                     for (int step = 0; step < 16 && !interrupted(); ++step) gi.execute();
                     gi.finish();
                     const Image picture = gi.picture();
@@ -250,29 +244,31 @@ Plot VolumeSuite::time_plot(const std::vector<Point>& points, const VolumeScene&
     return plot;
 }
 
-/// Lower case, digits and '_'.
-std::string stem_of(const std::string& text) {
-    std::string stem;
-    for (const char c : text)
-        stem += std::isalnum(static_cast<unsigned char>(c))
-                    ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
-                    : '_';
-    return stem;
-}
-
 Plot VolumeSuite::cache_plot(const std::vector<Point>& points, const VolumeScene& scene) const {
     Plot plot{.name = "volume_cache_" + stem_of(scene.name),
         .question = "What do the bytes of a cache buy? " + scene.name,
         .x = {"cell_mib", "cache (MiB)", true, Better::less},
         .y = {"psnr", kPsnr, false, Better::more},
         .caption = "Composed from a cache that has reached its error (<code>--target-error</code>) "
-                   "or had its time, "
-                   "against the reference of mode noncaching. Along a curve the cells shrink. "
+                   "against the reference of mode noncaching; where its time was over first, a dot "
+                   "says so, and more time would give more. Along a curve the cells shrink. "
                    "Bytes are all that the cache takes while it is refined."};
+    std::vector<Point> unfinished;
     for (const CacheFormat format : kFormats) {
         const std::string series = fmt::format("cache, {}", name_of(format));
         plot.curves.push_back(curve(points, scene.name, series, plot, name_of(format)));
     }
+    for (const Point& point : points) {
+        if (!point.has("converged") || point["converged"].median > 0) continue;
+        unfinished.push_back(point);
+    }
+    Curve stopped{.legend = "stopped by its time", .kind = Curve::Kind::dots, .competes = false};
+    for (const CacheFormat format : kFormats)
+        for (PlotPoint& point :
+            curve(unfinished, scene.name, fmt::format("cache, {}", name_of(format)), plot, "")
+                .points)
+            stopped.points.push_back(std::move(point));
+    plot.curves.push_back(std::move(stopped));
     std::erase_if(plot.curves, [](const Curve& one) { return one.points.empty(); });
     return plot;
 }
@@ -354,8 +350,8 @@ Section VolumeSuite::report(const Store& store, const std::vector<Point>& points
     section.text +=
         " Caching begins its mean anew after 1, 2, 4 … steps while its cache is refined, "
         "so that light from a coarser one leaves the picture.";
-    const std::vector<std::string> modes = {
-        kTechniques[0].name, kTechniques[1].name, kTechniques[2].name, kTechniques[3].name};
+    std::vector<std::string> modes;
+    for (const VolumeTechnique& technique : kVolumeTechniques) modes.push_back(name_of(technique));
     for (const VolumeScene& scene : scenes_) {
         const std::string stem = stem_of(scene.name);
         section.plots.push_back(time_plot(points, scene, "volume_modes_psnr_" + stem,
@@ -369,18 +365,20 @@ Section VolumeSuite::report(const Store& store, const std::vector<Point>& points
             {"relmse", "relMSE", true, Better::less}, modes));
     }
     if (surface_scene_) {
-        std::vector<std::string> series{kTechniques[1].name, kTechniques[2].name};
+        std::vector<std::string> series{
+            name_of(kVolumeTechniques[1]), name_of(kVolumeTechniques[2])};
         for (const char* shading : kShadings)
             if (surface_scene_->options.shading != shading)
-                for (const Technique& technique : {kTechniques[1], kTechniques[2]})
+                for (const VolumeTechnique& technique :
+                    {kVolumeTechniques[1], kVolumeTechniques[2]})
                     series.push_back(
                         fmt::format("{}, {}", ockham::name_of(technique.mode), shading));
         Plot plot = time_plot(points, *surface_scene_, "volume_shading",
             "Does the shading model matter? " + surface_scene_->name,
             {"psnr", kPsnr, false, Better::more}, series);
         for (std::size_t i : {0u, 1u})
-            plot.curves[i].legend = fmt::format("{}, {}", ockham::name_of(kTechniques[1 + i].mode),
-                surface_scene_->options.shading);
+            plot.curves[i].legend = fmt::format("{}, {}",
+                ockham::name_of(kVolumeTechniques[1 + i].mode), surface_scene_->options.shading);
         section.plots.push_back(std::move(plot));
     }
     Plot estimators = time_plot(points, estimator_scene_, "volume_estimators",
@@ -396,6 +394,9 @@ Section VolumeSuite::report(const Store& store, const std::vector<Point>& points
         Plot plot = cache_plot(points, scene);
         if (!plot.curves.empty()) section.plots.push_back(std::move(plot));
     }
+    const VolumeChart chart = volume_chart_of(points, classes_, context_.device_text());
+    write_text(context_.options.out / "volume_chart.json", to_json(chart));
+    for (Plot& plot : volume_prediction_plots(chart)) section.plots.push_back(std::move(plot));
     for (Plot& plot : search_plots(points)) section.plots.push_back(std::move(plot));
     section.tables.push_back(reference_table(points));
     for (const VolumeScene& scene : scenes_) section.wipes.push_back(wipe(store, scene));

@@ -14,6 +14,7 @@
 #include "framework/graph/fingerprint.hpp"
 #include "passes/pipelines/volume_gi_options.hpp"
 #include "passes/volume/frame.hpp"
+#include "samples/chart/volume_choice.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -37,6 +38,8 @@ struct Options {
     int steps = 0; ///< 0: as many as the other bounds allow
     float time = 0;
     float target_error = 0;
+    float target_psnr = 0, target_ms = 0; ///< 0: mode and steps as they are
+    std::string chart;
     CameraMoves moves;
     int frames = 0;
     std::string iso_to;
@@ -63,6 +66,16 @@ void declare(Params& params, Options& o) {
     add(kRun, "target-error", &o.target_error,
         "stop once the standard error of pixels is this share of their mean; 0: no bound")
         .range(0, 1);
+    add(kRun, "target-psnr", &o.target_psnr,
+        "choose mode and steps for this error, by a chart of scenes; 0: no")
+        .range(0, 200)
+        .unit("dB");
+    add(kRun, "target-ms", &o.target_ms,
+        "choose mode and steps for this GPU time, by a chart of scenes; 0: no")
+        .range(0, 1e9)
+        .unit("ms");
+    add(kRun, "chart", &o.chart,
+        "volume_chart.json of a chart to choose by; none: the built-in one");
     add(kRun, "checkpoint", &o.checkpoint,
         "file to write what --resume needs to: at the end, on "
         "interrupt, and every so often")
@@ -129,6 +142,26 @@ void check_options(const Options& o, std::size_t pictures) {
     check_numbered(o.common, pictures);
 }
 
+bool chooses(const Options& o) { return o.target_psnr > 0 || o.target_ms > 0; }
+
+void check_targets(const Options& o, const Params& params, std::size_t pictures) {
+    if (!chooses(o)) {
+        if (!o.chart.empty()) fail_input("--chart: needs --target-psnr or --target-ms");
+        return;
+    }
+    if (o.target_psnr > 0 && o.target_ms > 0)
+        fail_input("--target-psnr and --target-ms both choose mode and steps; give one of them");
+    if (volume_mode(o.method))
+        fail_input("--target-psnr and --target-ms choose the mode; leave --mode out");
+    for (const char* other : {"gather", "steps", "time", "target-error", "checkpoint", "resume"}) {
+        if (params.given(other))
+            fail_input(
+                "--target-psnr and --target-ms choose mode and steps; leave --{} out", other);
+    }
+    if (pictures > 1)
+        fail_input("--target-psnr and --target-ms are of one picture, not of {}", pictures);
+}
+
 VolumeMode mode_of(
     const Options& o, const Volume& volume, std::size_t pictures, gpu::Device& device) {
     if (const std::optional<VolumeMode> given = volume_mode(o.method)) return *given;
@@ -146,6 +179,68 @@ VolumeGiParams picture_params(const Options& o, VolumeMode mode) {
     if (o.target_error > 0) p.cache_error = o.target_error;
     for (const auto& [name, file] : parse_captures(o.common)) p.captures.push_back(name);
     return p;
+}
+
+/// Path traces two halves of a probe with seeds of their own. Errors are those of half their
+/// difference.
+VolumeProbe probe(gpu::Device& device, const VolumeSource& source, const Camera& camera,
+    const VolumeGiParams& params) {
+    VolumeGi gi(
+        device, source.volume, source.transfer, source.environment, source.view, camera, params);
+    gi.execute(); // compiles kernels
+    gi.finish();
+    VolumeProbe measured{.features = features_of(source)};
+    const auto add_time = [&] {
+        for (const PassTime& time : gi.executor().times()) measured.gpu_ms += time.milliseconds;
+    };
+    Image halves[2];
+    VolumeView view = source.view;
+    for (Image& half : halves) {
+        ++view.seed;
+        gi.set_view(view);
+        gi.execute(kProbeSteps / 2), add_time();
+        while (!gi.finished()) gi.drain(), add_time();
+        half = gi.picture();
+    }
+    const double mse = image_error(halves[0], halves[1]).mse / 4;
+    measured.psnr = -10 * std::log10(std::max(mse, 1e-12));
+    return measured;
+}
+
+/// Mode, gather and steps for the target, by the class of scenes that this is most like.
+std::optional<VolumeChoice> choose_technique(
+    Options& o, gpu::Device& device, const VolumeSource& source, const Camera& camera) {
+    if (!chooses(o)) return std::nullopt;
+    const VolumeChart chart = o.chart.empty() ? builtin_volume_chart() : load_volume_chart(o.chart);
+    VolumeGiParams params = volume_gi_params(o.method, VolumeMode::path);
+    params.width = static_cast<std::uint32_t>(o.common.width);
+    params.height = static_cast<std::uint32_t>(o.common.height);
+    const VolumeProbe measured = probe(device, source, camera, params);
+    const VolumeChoice choice = o.target_psnr > 0 ? choose_by_psnr(chart, measured, o.target_psnr)
+                                                  : choose_by_time(chart, measured, o.target_ms);
+    if (!choice.reached) {
+        log::warning("nothing in the chart reaches --target-{} {:g}; the nearest is taken",
+            o.target_psnr > 0 ? "psnr" : "ms", o.target_psnr > 0 ? o.target_psnr : o.target_ms);
+    }
+    o.method.mode = name_of(choice.technique.mode);
+    o.method.gather = choice.technique.gather;
+    o.steps = static_cast<int>(choice.steps);
+    return choice;
+}
+
+nlohmann::ordered_json to_json(const VolumeChoice& choice) {
+    return {{"class", choice.class_name}, {"technique", name_of(choice.technique)},
+        {"steps", choice.steps}, {"predicted_psnr", choice.psnr},
+        {"predicted_gpu_ms", choice.gpu_ms}, {"reached", choice.reached}};
+}
+
+void print_choice(
+    const VolumeChoice& choice, double gpu_ms, const std::optional<ImageError>& error) {
+    fmt::print("choice  {}, {:.0f} steps, as for '{}'\n", name_of(choice.technique), choice.steps,
+        choice.class_name);
+    fmt::print("predicted {:7.2f} dB, {:.2f} ms\n", choice.psnr, choice.gpu_ms);
+    fmt::print("obtained  {} dB, {:.2f} ms\n",
+        error ? fmt::format("{:7.2f}", error->psnr) : "unknown (no --reference)", gpu_ms);
 }
 
 /// Everything that decides the picture: flags but those of one run and names of files, what these
@@ -199,6 +294,7 @@ public:
         return true;
     }
     double seconds() const { return seconds_; }
+    double gpu_ms() const { return gpu_ms_; } ///< of all passes
 
 private:
     std::uint64_t last_step() const {
@@ -235,7 +331,7 @@ private:
     /// Long paths may take many executions. False where it was interrupted.
     bool finish() {
         const Timer timer;
-        while (!gi_.finished() && !interrupted()) gi_.drain();
+        while (!gi_.finished() && !interrupted()) gi_.drain(), add_gpu_time();
         seconds_ += timer.seconds();
         return gi_.finished();
     }
@@ -259,10 +355,15 @@ private:
         const double seconds = timer.seconds();
         seconds_ += seconds;
         step_seconds_ = seconds / steps;
+        add_gpu_time();
         std::vector<PassTime> times = gi_.executor().times();
         for (PassTime& time : times) time.milliseconds /= steps;
         for (std::uint32_t i = 0; i < steps && (warm_ || o_.steps == 1); ++i) run_.add_times(times);
         warm_ = true; // the first step compiles kernels
+    }
+
+    void add_gpu_time() {
+        for (const PassTime& time : gi_.executor().times()) gpu_ms_ += time.milliseconds;
     }
 
     /// Else `next` becomes the step at which it may be so: errors fall with the root of the
@@ -324,6 +425,7 @@ private:
     std::size_t frame_ = 0;
     double seconds_ = 0;      ///< of executions
     double step_seconds_ = 1; ///< of each step of the last one
+    double gpu_ms_ = 0;
     bool warm_ = false;
     Timer since_saved_;
     std::string rows_;
@@ -355,12 +457,13 @@ void print_summary(const FrameTimes& times, const VolumeGi& gi, const VolumeStat
 }
 
 /// All that needs a device. Exit code.
-int render_on_device(const Options& o, const Params& params, const VolumeSource& source,
+int render_on_device(Options o, const Params& params, const VolumeSource& source,
     const std::vector<Camera>& cameras, const std::vector<std::vector<double>>& isovalues,
     HeadlessRun& run, bool& saved) {
     gpu::Device device(device_options(o.common));
     watch_shaders(device, o.common);
     log::info("{} ({})", device.info().name, device.info().driver_version);
+    const std::optional<VolumeChoice> choice = choose_technique(o, device, source, cameras.front());
     const VolumeMode mode = mode_of(o, source.volume, cameras.size(), device);
     VolumeGi gi(device, source.volume, source.transfer, source.environment, source.view,
         cameras.front(), picture_params(o, mode));
@@ -376,7 +479,9 @@ int render_on_device(const Options& o, const Params& params, const VolumeSource&
     const VolumeStatistics statistics = gi.statistics();
     const std::optional<ImageError> error = run.error_of(gi.picture());
     print_summary(run.times(), gi, statistics, session.seconds(), error);
-    run.report(device, gi.executor(), {{"volume", to_json(statistics, mode)}}, error);
+    nlohmann::ordered_json more{{"volume", to_json(statistics, mode)}};
+    if (choice) print_choice(*choice, session.gpu_ms(), error), more["choice"] = to_json(*choice);
+    run.report(device, gi.executor(), more, error);
     return 0;
 }
 
@@ -390,6 +495,7 @@ int render(int argc, char** argv) {
     }
     const std::vector<Camera> cameras = cameras_of(o);
     check_options(o, cameras.size());
+    check_targets(o, params, cameras.size());
     HeadlessRun run(o.common, argc, argv, {o.checkpoint, o.convergence});
 
     VolumeSource source = load_volume_source(o.volume);

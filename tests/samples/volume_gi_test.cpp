@@ -289,6 +289,24 @@ TEST_F(VolumeGiProgram, stops_at_its_target_error) {
     EXPECT_LT(more, 6 * steps);
 }
 
+TEST_F(VolumeGiProgram, chooses_by_a_chart_and_says_what_it_predicted_and_got) {
+    render("--mode path --steps 512 --seed 3 -o reference.exr");
+    const auto choice = [&](const char* flags) {
+        render(std::string(flags) + " --reference reference.exr --stats s.json");
+        return json("s.json");
+    };
+    const nlohmann::json low = choice("--target-psnr 24"), high = choice("--target-psnr 34");
+    EXPECT_GT(high["image"]["psnr"].get<double>(), low["image"]["psnr"].get<double>() + 3)
+        << "ten decibels more were asked for";
+    EXPECT_GT(high["choice"]["steps"], low["choice"]["steps"]);
+    EXPECT_NEAR(high["choice"]["predicted_psnr"].get<double>(), 34, 2);
+    EXPECT_FALSE(choice("--target-ms 0.0001")["choice"]["reached"].get<bool>());
+    for (const char* flags : {"--target-psnr 40 --target-ms 9", "--target-psnr 40 --mode path",
+             "--target-ms 9 --steps 4", "--target-ms 9 --gather off", "--chart none.json",
+             "--target-ms 9 --turntable 2 -o %d.png", "--target-psnr 40 --chart none.json"})
+        expect_error(std::string("ball.json ") + flags, 2, {});
+}
+
 TEST_F(VolumeGiProgram, turntables_go_around) {
     for (const std::string mode : {"--mode path", "--mode auto"}) {
         render(mode + " --steps 2 --turntable 4 -o turn%02d.exr");
