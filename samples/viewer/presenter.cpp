@@ -157,33 +157,49 @@ bool Presenter::begin() {
     return true;
 }
 
+/// Makes room for the canvas, and some more: it changes its size with every drag.
+void Presenter::make_room(glm::uvec2 size) {
+    if (canvas_ && canvas_->info().width >= size.x && canvas_->info().height >= size.y) return;
+    constexpr std::uint32_t kStep = 512;
+    const glm::uvec2 room = (size + kStep) / kStep * kStep; // at least one pixel more
+    staging_.emplace(device_, gpu::BufferInfo{.bytes = std::uint64_t{4} * room.x * room.y,
+                                  .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                                  .name = "canvas_staging",
+                                  .memory = gpu::MemoryUse::upload});
+    canvas_.emplace(
+        device_, gpu::ImageInfo{.format = VK_FORMAT_R8G8B8A8_UNORM,
+                     .width = room.x,
+                     .height = room.y,
+                     .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                     .name = "canvas"});
+}
+
 void Presenter::upload(const Canvas& canvas, VkCommandBuffer commands) {
-    if (canvas.rgba.empty() || (canvas_ && version_ == canvas.version)) return;
+    if (canvas.rgba.empty() || version_ == canvas.version) return;
     const glm::uvec2 size(canvas.size);
-    const bool fits =
-        canvas_ && canvas_->info().width == size.x && canvas_->info().height == size.y;
-    if (!fits) {
-        staging_.emplace(device_, gpu::BufferInfo{.bytes = canvas.rgba.size(),
-                                      .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
-                                      .name = "canvas_staging",
-                                      .memory = gpu::MemoryUse::upload});
-        canvas_.emplace(
-            device_, gpu::ImageInfo{.format = VK_FORMAT_R8G8B8A8_UNORM,
-                         .width = size.x,
-                         .height = size.y,
-                         .usage = VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                         .name = "canvas"});
-    }
+    make_room(size);
+    shown_ = canvas.size;
     std::memcpy(staging_->mapped().data(), canvas.rgba.data(), canvas.rgba.size());
     version_ = canvas.version;
     change_layout(commands, canvas_->handle(), VK_IMAGE_LAYOUT_UNDEFINED,
         VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, 0,
         VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
-    VkBufferImageCopy copy{};
-    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageExtent = {size.x, size.y, 1};
+    // All of it, and its last column and row once more: what a filter sees beyond its border.
+    std::vector<VkBufferImageCopy> copies;
+    for (const glm::uvec2 beyond : {glm::uvec2(0, 0), {1, 0}, {0, 1}, {1, 1}}) {
+        const glm::uvec2 from = beyond * (size - 1u);
+        VkBufferImageCopy copy{};
+        copy.bufferOffset = std::uint64_t{4} * (std::uint64_t{from.y} * size.x + from.x);
+        copy.bufferRowLength = size.x;
+        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        copy.imageOffset = {
+            static_cast<int>(beyond.x * size.x), static_cast<int>(beyond.y * size.y), 0};
+        copy.imageExtent = {size.x - from.x, size.y - from.y, 1};
+        copies.push_back(copy);
+    }
     vkCmdCopyBufferToImage(commands, staging_->handle(), canvas_->handle(),
-        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, static_cast<std::uint32_t>(copies.size()),
+        copies.data());
     change_layout(commands, canvas_->handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
         VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
         VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
@@ -205,12 +221,11 @@ void Presenter::record(const Swapchain::Target& target, glm::ivec2 origin, glm::
             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
             VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
             VK_ACCESS_2_TRANSFER_WRITE_BIT);
-        const glm::ivec2 source(canvas_->info().width, canvas_->info().height);
-        const VkImageBlit blit = clipped_blit(origin, extent, source, glm::ivec2(size));
+        const VkImageBlit blit = clipped_blit(origin, extent, shown_, glm::ivec2(size));
         if (!is_empty(blit)) {
             vkCmdBlitImage(commands_, canvas_->handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                 target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit,
-                source == extent ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+                shown_ == extent ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
         }
     }
     change_layout(commands_, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,

@@ -44,6 +44,7 @@ public:
 private:
     void make_frame_objects();
     void start_imgui();
+    void make_room(glm::uvec2 size);
     void upload(const Canvas& canvas, VkCommandBuffer commands);
     void record(const Swapchain::Target& target, glm::ivec2 origin, glm::ivec2 extent);
     void record_shot(const Swapchain::Target& target);
@@ -61,7 +62,8 @@ private:
     bool imgui_ = false;
     std::optional<gpu::Buffer> staging_, shot_;
     std::optional<gpu::Image> canvas_;
-    std::uint64_t version_ = 0; ///< of the canvas that is in there
+    glm::ivec2 shown_{0};       ///< size of the canvas that is in there
+    std::uint64_t version_ = 0; ///< and its version; 0: none
 };
 
 } // namespace ockham::viewer

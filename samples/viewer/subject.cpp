@@ -53,6 +53,12 @@ Subject::Subject(Kind which) : kind(which) {
         .range(0, 1000000)
         .group("Run")
         .transient();
+    params
+        .add("orbit", &orbit,
+            "turn the camera as a drag does for so many frames, print how many a second, and close")
+        .range(0, 1000000)
+        .group("Run")
+        .transient();
     add_run_flags(params, common);
 }
 

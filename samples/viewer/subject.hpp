@@ -32,7 +32,7 @@ struct Subject {
     Kind kind;
     CommonOptions common;
     SurfaceVolumeOptions options; ///< what the kind does not need has its defaults
-    int frames = 0;
+    int frames = 0, orbit = 0;
     std::string screenshot;
     std::optional<TransferFunction> drawn; ///< in place of --transfer
     Params params;                         ///< points to the above

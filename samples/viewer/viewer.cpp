@@ -17,25 +17,14 @@ namespace ockham::viewer {
 namespace {
 
 constexpr double kSettle = 0.25; ///< seconds without input, after which all counts as still
-constexpr float kRadiansPerPixel = 0.006f;
 
 } // namespace
-
-void HurryScale::add(double milliseconds) {
-    sum_ += milliseconds;
-    ++count_;
-    if (milliseconds > kMost) {
-        if (++slow_ >= 2 && divisor_ < 8) ++divisor_, slow_ = 0;
-        return;
-    }
-    slow_ = 0;
-    const double finer = divisor_ > 1 ? static_cast<double>(divisor_) / (divisor_ - 1) : 1e9;
-    if (milliseconds * finer * finer < 0.6 * kMost) --divisor_;
-}
 
 Viewer::Viewer(
     Window& window, gpu::Device& device, Presenter& presenter, std::unique_ptr<Subject> subject)
     : window_(window), device_(device), presenter_(presenter) {
+    if (subject->frames > 0 && subject->orbit > 0)
+        fail_input("--frames and --orbit both say when the window closes; give one of them");
     open(std::move(subject));
     if (!subject_->common.reference.empty()) load_reference(subject_->common.reference);
     listen();
@@ -66,7 +55,7 @@ void Viewer::attempt(const std::function<void()>& action) {
     try {
         action();
     } catch (const Error& error) {
-        if (subject_->frames > 0) throw; // nobody is there to read
+        if (!attended()) throw; // nobody is there to read
         message_ = error.what();
         log::warning("{}", message_);
     }
@@ -190,18 +179,6 @@ bool Viewer::rests() const {
     return subject_->frames > 0 || full_ms_ < kLong || clock_.seconds() - input_ > kRest;
 }
 
-void Viewer::changed_camera() {
-    touched_ = clock_.seconds();
-    dirty_ = true;
-    camera_text_ = camera();
-    subject_->technique->set_camera(navigation_.camera());
-    error_.reset();
-    if (!rival_) return;
-    rival_->set_camera(navigation_.camera());
-    rival_steps_ = 0;
-    reference_.reset(); // it looks from elsewhere
-}
-
 void Viewer::changed_parameters(const std::vector<std::string>& names) {
     const auto is_display = [](const std::string& name) {
         return name == "exposure" || name == "tonemap";
@@ -225,61 +202,6 @@ void Viewer::changed_parameters(const std::vector<std::string>& names) {
 void Viewer::layout() {
     area_ = window_.size() - glm::ivec2(panel_ ? kPanelWidth : 0, kStatusHeight);
     area_ = glm::max(area_, glm::ivec2(16));
-}
-
-void Viewer::handle_mouse() {
-    const ImGuiIO& io = ImGui::GetIO();
-    const bool busy = io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0 ||
-                      ImGui::IsAnyMouseDown();
-    if (busy) input_ = clock_.seconds();
-    if (io.WantCaptureMouse) return;
-    const float right = io.MouseDelta.x, down = io.MouseDelta.y;
-    const bool moved = right != 0 || down != 0;
-    const auto height = static_cast<float>(area_.y);
-    if (moved && ImGui::IsMouseDown(0)) {
-        if (fly_)
-            navigation_.look(kRadiansPerPixel * 0.5f * right, -kRadiansPerPixel * 0.5f * down);
-        else
-            navigation_.orbit(kRadiansPerPixel * right, -kRadiansPerPixel * down);
-        changed_camera();
-    } else if (moved && (ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2))) {
-        navigation_.pan(-right / height, down / height);
-        changed_camera();
-    }
-    if (io.MouseWheel != 0) {
-        navigation_.zoom(std::pow(0.88f, io.MouseWheel));
-        changed_camera();
-    }
-}
-
-void Viewer::handle_keys() {
-    const ImGuiIO& io = ImGui::GetIO();
-    if (io.WantTextInput) return;
-    const auto pressed = [](char key) { return ImGui::IsKeyPressed(key, false); };
-    if (pressed('H')) panel_ = !panel_;
-    if (pressed('F')) fly_ = !fly_;
-    if (pressed('P')) frozen_ = !frozen_;
-    if (pressed('B')) flip_ = !flip_, redraw_ = true;
-    if (pressed('L') && !canvas_.rgba.empty()) {
-        const glm::vec2 mouse(io.MousePos.x, io.MousePos.y);
-        loupe_ = glm::clamp(glm::ivec2(mouse * glm::vec2(canvas_.size) / glm::vec2(area_)),
-            glm::ivec2(0), canvas_.size - 1);
-        samples_old_ = true;
-    }
-    if (pressed('R')) {
-        const Stage stage = subject_->technique->stage();
-        navigation_.reset(stage.camera, stage.pivot, stage.scale, stage.up);
-        changed_camera();
-    }
-    const auto axis = [](char minus, char plus) {
-        return static_cast<float>(ImGui::IsKeyDown(plus)) -
-               static_cast<float>(ImGui::IsKeyDown(minus));
-    };
-    const glm::vec3 way(axis('A', 'D'), axis('Q', 'E'), axis('S', 'W'));
-    if (way == glm::vec3(0.0f)) return;
-    const float pace = (io.KeyShift ? 1.2f : 0.3f) * std::min(io.DeltaTime, 0.2f);
-    navigation_.walk(pace * way);
-    changed_camera();
 }
 
 bool Viewer::render() {
@@ -334,58 +256,73 @@ void Viewer::show() {
 }
 
 void Viewer::run() {
-    while (!window_.should_close() && !interrupted()) {
-        const bool idle = !dirty_ && !redraw_ && !hasty_ &&
-                          (frozen_ || failed_ || subject_->technique->finished()) &&
-                          (!rival_ || frozen_ || rival_->finished()) && !want_shot_ &&
-                          subject_->frames == 0;
-        window_.poll(idle ? 0.5 : 0);
-        take_dropped();
-        reload_shaders(device_);
-        const Timer frame;
-        if (!presenter_.begin()) {
-            window_.poll(0.1); // minimised
-            continue;
-        }
-        layout();
-        handle_mouse();
-        handle_keys();
-        if (panel_) draw_panel();
-        draw_status();
-        draw_message();
-        draw_wipe();
-        if (loupe_) draw_loupe_window();
-        const bool rendered = render();
-        if (!rendered) render_rival();
-        attempt([&] { show(); });
-        // The widgets need some frames to settle.
-        const bool last = subject_->frames > 0 && steps_ >= subject_->frames && frames_ >= 3;
-        Canvas shot;
-        const bool shoots = want_shot_ || (last && !subject_->screenshot.empty());
-        const bool shown = presenter_.end(canvas_, glm::ivec2(0), area_, shoots ? &shot : nullptr);
-        if (shoots && shown) {
-            std::vector<std::uint8_t> rgb;
-            for (std::size_t i = 0; i < shot.rgba.size(); ++i)
-                if (i % 4 != 3) rgb.push_back(shot.rgba[i]);
-            save_png_srgb(last ? subject_->screenshot : shot_file_, shot.size.x, shot.size.y, rgb);
-            want_shot_ = false;
-        }
-        frame_ms_ = frame.milliseconds();
-        if (rendered && hasty_) hurry_.add(frame_ms_);
-        ++frames_;
-        if (last && shown) break;
+    while (!window_.should_close() && !interrupted() && frame()) {
     }
     save_outputs();
 }
 
-void Viewer::save_outputs() {
-    if (!subject_->common.output.empty() && !picture_.empty()) {
-        save_picture(subject_->common.output);
+bool Viewer::frame() {
+    const bool idle = !dirty_ && !redraw_ && !hasty_ &&
+                      (frozen_ || failed_ || subject_->technique->finished()) &&
+                      (!rival_ || frozen_ || rival_->finished()) && !want_shot_ && attended();
+    window_.poll(idle ? 0.5 : 0);
+    take_dropped();
+    reload_shaders(device_);
+    const Timer timer;
+    if (!presenter_.begin()) {
+        window_.poll(0.1); // minimised
+        return true;
     }
-    if (hurry_.count() > 0)
-        log::info("{} frames while something was dragged, {:.0f} ms each", hurry_.count(),
-            hurry_.mean_ms());
-    if (subject_->frames == 0) save_session();
+    layout();
+    handle_mouse();
+    handle_keys();
+    if (subject_->orbit > 0) turn(3, 0);
+    if (panel_) draw_panel();
+    draw_status();
+    draw_message();
+    draw_wipe();
+    if (loupe_) draw_loupe_window();
+    const bool rendered = render();
+    if (!rendered) render_rival();
+    attempt([&] { show(); });
+    // The widgets need some frames to settle.
+    const bool last = !attended() && steps_ >= subject_->frames &&
+                      hurry_.count() >= subject_->orbit && frames_ >= 3;
+    const bool shown = present(last);
+    if (rendered && hasty_) hurry_.add(timer.milliseconds());
+    ++frames_;
+    return !last || !shown;
+}
+
+/// `last`: with the screenshot that was asked for. False: the window was not ready.
+bool Viewer::present(bool last) {
+    const bool shoots = want_shot_ || (last && !subject_->screenshot.empty());
+    Canvas shot;
+    if (!presenter_.end(canvas_, glm::ivec2(0), area_, shoots ? &shot : nullptr)) return false;
+    if (!shoots) return true;
+    std::vector<std::uint8_t> rgb;
+    for (std::size_t i = 0; i < shot.rgba.size(); ++i)
+        if (i % 4 != 3) rgb.push_back(shot.rgba[i]);
+    save_png_srgb(last ? subject_->screenshot : shot_file_, shot.size.x, shot.size.y, rgb);
+    want_shot_ = false;
+    return true;
+}
+
+void Viewer::save_outputs() {
+    if (!subject_->common.output.empty() && !picture_.empty())
+        save_picture(subject_->common.output);
+    if (hurry_.count() > 0) {
+        const double ms = hurry_.median_ms();
+        const std::string text = fmt::format(
+            "{} frames while something moved, {:.1f} ms each "
+            "(median of the later half): {:.1f} a second, of {} x {} pixels",
+            hurry_.count(), ms, 1000 / ms, area_.x / hurry_.divisor(), area_.y / hurry_.divisor());
+        if (subject_->orbit > 0)
+            fmt::print("{}\n", text);
+        else
+            log::info("{}", text);
+    }
+    if (attended()) save_session();
 }
 
 void Viewer::save_session() {

@@ -6,6 +6,7 @@
 
 #include "framework/core/timer.hpp"
 #include "framework/image_error/image_error.hpp"
+#include "samples/viewer/hurry_scale.hpp"
 #include "samples/viewer/navigation.hpp"
 #include "samples/viewer/presenter.hpp"
 #include "samples/viewer/subject.hpp"
@@ -20,25 +21,6 @@
 
 namespace ockham::viewer {
 
-/// Sizes of pictures in haste, by the time that the last one took.
-class HurryScale {
-public:
-    /// Divides the picture's sides, 1 to 8.
-    int divisor() const { return divisor_; }
-    /// A picture at the present divisor took so long.
-    void add(double milliseconds);
-    /// Of all of them.
-    double mean_ms() const { return count_ > 0 ? sum_ / count_ : 0; }
-    int count() const { return count_; }
-
-private:
-    static constexpr double kMost = 140; ///< milliseconds: five frames a second with the rest
-    int divisor_ = 4;
-    int slow_ = 0; ///< in a row; the first after a change compiles kernels
-    double sum_ = 0;
-    int count_ = 0;
-};
-
 class Viewer {
 public:
     /// All must outlive this object. Throws Error(input) where what `subject` names does not load.
@@ -47,8 +29,17 @@ public:
     ~Viewer();
     Viewer(const Viewer&) = delete;
     Viewer& operator=(const Viewer&) = delete;
-    /// Until the window is closed, or --frames. Writes what the flags ask for.
+    /// Until the window is closed, or --frames or --orbit are done. Writes what the flags ask for.
     void run();
+
+    /// Takes what has happened, renders a step if there is something to do, and shows it. False
+    /// where that was the last one.
+    bool frame();
+    /// What was rendered last, linear, in haste or whole; empty before.
+    const Image& picture() const { return picture_; }
+    /// That is as good as it gets, and whole.
+    bool still() const { return !dirty_ && !hasty_ && subject_->technique->finished(); }
+    const Subject& subject() const { return *subject_; }
 
 private:
     static constexpr int kPanelWidth = 352, kStatusHeight = 28; ///< pixels
@@ -66,11 +57,13 @@ private:
     void layout();
     void handle_mouse();
     void handle_keys();
+    void turn(float right, float down);
     void changed_camera();
     void changed_parameters(const std::vector<std::string>& names);
     /// True: there is another picture.
     bool render();
     void show();
+    bool present(bool last);
     void attempt(const std::function<void()>& action);
 
     void draw_panel();
@@ -91,6 +84,7 @@ private:
 
     void save_outputs();
     void save_session();
+    bool attended() const { return subject_->frames == 0 && subject_->orbit == 0; }
     bool hurries() const;
     bool rests() const;
     std::string camera() const;
@@ -125,7 +119,7 @@ private:
     int steps_ = 0;       ///< of whole pictures, since the start
     int frames_ = 0;      ///< of the window
     double input_ = -1;   ///< clock_, of the last input of any kind
-    double render_ms_ = 0, frame_ms_ = 0;
+    double render_ms_ = 0;
     double full_ms_ = 0;  ///< of the last whole picture
     std::string message_; ///< an error, until something works
     bool failed_ = false; ///< render() did, and need not try again before something changes

@@ -91,9 +91,9 @@ bool slide(const Param& param, const char* label, std::string& text) {
     if (const auto* target = std::get_if<float*>(&param.target)) {
         float value = std::min(**target, std::numeric_limits<float>::max());
         const float span = static_cast<float>(range.high - range.low);
-        // The digits also say how near to 0 a logarithmic slider comes: a hundred-thousandth.
+        // The digits also say how near to 0 a logarithmic slider comes: a millionth.
         const int digits = range.logarithmic
-                               ? std::clamp(static_cast<int>(5 - std::log10(range.high)), 0, 9)
+                               ? std::clamp(static_cast<int>(6 - std::log10(range.high)), 0, 9)
                            : span > 20 ? 1
                                        : 3;
         const std::string format = fmt::format("%.{}f", digits);
@@ -114,7 +114,12 @@ bool slide(const Param& param, const char* label, std::string& text) {
 /// What the widget of a parameter wants it to be.
 bool widget(const Param& param, const char* label, std::string& text) {
     if (param.is_list()) {
-        ImGui::TextUnformatted(text.empty() ? "-" : text.c_str());
+        std::string end = text.empty() ? "-" : text; // of a long path
+        const float width = ImGui::GetContentRegionAvail().x;
+        while (end.size() > 4 && ImGui::CalcTextSize(end.c_str()).x > width)
+            end = "..." + end.substr(4);
+        ImGui::TextUnformatted(end.c_str());
+        if (end != text && ImGui::IsItemHovered()) tooltip(text);
         return false;
     }
     if (!param.allowed.empty()) return choose(param, label, text);

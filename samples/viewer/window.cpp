@@ -67,6 +67,7 @@ bool Window::should_close() const { return glfwWindowShouldClose(window_); }
 
 glm::ivec2 Window::size() const {
     glm::ivec2 size(0);
+    if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED)) return size; // some desktops keep its size
     glfwGetFramebufferSize(window_, &size.x, &size.y);
     return size;
 }

@@ -140,18 +140,33 @@ TEST(Canvas, CountsCodesOfDifference) {
 }
 
 TEST(HurryScale, FindsPicturesThatAreFastEnough) {
-    for (const double full : {30.0, 400.0, 2000.0}) { // ms of the whole picture
+    for (const double full : {30.0, 400.0, 2000.0, 20000.0}) { // ms of the whole picture
         HurryScale scale;
         const auto cost = [&] { return 10 + full / (scale.divisor() * scale.divisor()); };
-        for (int i = 0; i < 40; ++i) scale.add(cost());
+        int late = 0; // frames
+        for (int i = 0; i < 40; ++i) {
+            late += cost() > 200;
+            scale.add(cost());
+        }
         EXPECT_LT(cost(), 200) << full;
+        EXPECT_LE(late, 6) << full;
         const int settled = scale.divisor();
         for (int i = 0; i < 10; ++i) scale.add(cost());
         EXPECT_EQ(scale.divisor(), settled) << full;
+        EXPECT_EQ(scale.median_ms(), cost()) << full;
         if (full == 30.0) {
             EXPECT_EQ(settled, 1);
         }
     }
+}
+
+TEST(HurryScale, ForgivesOneSlowFrame) {
+    HurryScale scale;
+    for (int i = 0; i < 20; ++i) {
+        scale.add(3000); // compiled something
+        scale.add(130);
+    }
+    EXPECT_EQ(scale.divisor(), 4);
 }
 
 TEST(TransferEditor, PointsKeepTheirOrderAndOpacityItsRange) {

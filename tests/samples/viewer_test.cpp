@@ -4,46 +4,16 @@
 #include "framework/core/file.hpp"
 #include "framework/io/image_file.hpp"
 #include "tests/support/program_test.hpp"
+#include "tests/support/virtual_screen.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <csignal>
-#include <thread>
 
 namespace ockham {
 namespace {
 
 using test::Result;
-
-/// An X server without a screen, for its life. It finds a number of its own.
-class VirtualScreen {
-public:
-    VirtualScreen() {
-        int ends[2];
-        if (::pipe(ends) != 0) return;
-        pid_ = ::fork();
-        if (pid_ == 0) {
-            const std::string number = std::to_string(ends[1]);
-            ::execl(OCKHAM_XVFB, "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "800x600x24",
-                "-nolisten", "tcp", nullptr);
-            ::_exit(127);
-        }
-        ::close(ends[1]);
-        char c = 0;
-        while (::read(ends[0], &c, 1) == 1 && c != '\n') name += c;
-        ::close(ends[0]);
-        if (!name.empty()) name = ":" + name;
-    }
-    ~VirtualScreen() {
-        ::kill(pid_, SIGTERM);
-        ::waitpid(pid_, nullptr, 0);
-    }
-    std::string name; ///< of the display; empty: it did not start
-
-private:
-    pid_t pid_ = -1;
-};
 
 class ViewerProgram : public test::ProgramTest {
 protected:
@@ -68,7 +38,7 @@ protected:
         for (const char* channel : {"R", "G", "B"})
             EXPECT_TRUE(std::ranges::equal(shown.plane(channel), wanted.plane(channel))) << channel;
     }
-    VirtualScreen screen;
+    test::VirtualScreen screen;
 };
 
 TEST_F(ViewerProgram, ShowsAScene) {
@@ -98,6 +68,14 @@ TEST_F(ViewerProgram, ShowsAScene) {
         }
     EXPECT_LT(darkest, 0.02f);
     EXPECT_GT(brightest, 0.4f); // text
+    EXPECT_FALSE(files().contains("config")) << "a run that nobody sat at is no session";
+}
+
+TEST_F(ViewerProgram, TurnsAsAHandDoesAndSaysHowFast) {
+    const Result result = view("builtin:wires --m 2 --width 640 --height 360 --orbit 9");
+    ASSERT_EQ(result.exit_code, 0) << result.text;
+    EXPECT_NE(result.text.find("frames while something moved"), std::string::npos) << result.text;
+    EXPECT_NE(result.text.find(" a second"), std::string::npos) << result.text;
     EXPECT_FALSE(files().contains("config")) << "a run that nobody sat at is no session";
 }
 
@@ -160,6 +138,7 @@ TEST_F(ViewerProgram, SurvivesAPersonAndKeepsTheSession) {
 TEST_F(ViewerProgram, SaysWhatIsWrong) {
     expect_error("builtin:wires --frames 1", 3, {"cannot open a window"},
         "env -u WAYLAND_DISPLAY DISPLAY=:nowhere");
+    expect_error("builtin:wires --frames 1 --orbit 1", 2, {"--frames", "--orbit"}, surroundings());
     expect_error("nothing.gltf --frames 1", 2, {"nothing.gltf"}, surroundings());
     expect_error("builtin:wires --m 9 --frames 1", 2, {"--m", "1 to 8"}, surroundings());
     expect_error(
