@@ -7,20 +7,6 @@
 #include <cstdlib>
 #include <memory>
 
-#if defined(__SANITIZE_ADDRESS__)
-#include <dlfcn.h>
-
-namespace {
-/// Keeps the driver in memory, so that a report of leaks can tell its frames from ours.
-[[maybe_unused]] void* const driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
-} // namespace
-
-/// Loader, layer and driver keep what is theirs. Of ours, a frame of this program would be seen.
-extern "C" const char* __lsan_default_suppressions() {
-    return "leak:libVkLayer_khronos_validation\nleak:libvulkan\n";
-}
-#endif
-
 namespace ockham::test {
 
 namespace {
