@@ -87,8 +87,11 @@ std::string lessened(const std::string& part) {
         result = std::regex_replace(result, std::regex(flag + R"( [\d.]+)"), flag + " " + value);
     const auto added = kAdded.find(part.substr(0, part.find(' ')));
     if (added == kAdded.end()) return result;
-    for (const std::string& flag : added->second)
-        if (part.find(flag + " ") == std::string::npos) result += " " + flag + " " + kLess.at(flag);
+    for (const std::string& flag : added->second) {
+        const bool chosen = flag == "--steps" && part.find("--target-psnr ") != std::string::npos;
+        if (!chosen && part.find(flag + " ") == std::string::npos)
+            result += " " + flag + " " + kLess.at(flag);
+    }
     return result;
 }
 
