@@ -254,9 +254,9 @@ TEST_F(ViewerWindow, IsovaluesMoveWithoutABlackOrNoisyRestart) {
     const glm::ivec3 accent(219, 158, 64);
     const int left = kSize.x - 352;
     glm::ivec2 line(-1);
-    for (int x = left + 20; line.x < 0 && x < kSize.x; x += 20) {
+    for (int x = left + 20; line.x < 0 && x < kSize.x; x += 40) {
         other->mouse("mousemove " + std::to_string(x) + " 20 click 1");
-        for (int i = 0; i < 8; ++i) viewer->frame();
+        for (int i = 0; i < 3; ++i) viewer->frame();
         line = other->find_line(accent, left, 100);
     }
     ASSERT_GE(line.x, 0) << "no isovalue on the screen";
