@@ -67,7 +67,7 @@ protected:
     }
 
     /// Lets each call fail that `chosen` (n-th of so many) names. Nothing may crash or hang. Either
-    /// the program ends with exit code 3, one line of text and no file that is cut off, or it does
+    /// the program ends with exit code 3, one error and no file that is cut off, or it does
     /// without the call and all its files are there. Returns how many faults were met.
     template <class Chosen>
     unsigned walk(const FaultJob& job, const Chosen& chosen) {
