@@ -2,6 +2,7 @@
 // shade_sample: radiance towards the camera from one sample of the G-buffer, by all lights.
 // Shared by first_sample.comp and shade.comp, so that their results are equal bit for bit.
 
+#include "include/attenuation.glsl"
 #include "include/bsdf.glsl"
 #include "include/footprint.glsl"
 #include "include/sun_map.glsl"
@@ -85,13 +86,6 @@ float sun_visibility(vec3 world, float depth, vec3 normal, float n_l) {
     return sun_map_share(shadow_map, p.xyz);
 }
 #endif
-
-/// Distance fall-off and window of a point or spot light (scene/light.hpp).
-float attenuation(LightData light, float distance2) {
-    float x = distance2 * light.inverse_range_squared;
-    float window = max(1.0 - (light.window_half_power > 1.0 ? x * x : x), 0.0);
-    return window / max(distance2 + light.softening, 1e-6);
-}
 
 /// Dependent multiply-adds that cost time and change nothing: stands in for an expensive shader.
 /// `x`: in [0,1], of this sample, lest it be done once for many. The factor returned is always 1,
