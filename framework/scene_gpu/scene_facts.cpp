@@ -16,6 +16,7 @@ SceneFacts facts_of(const Scene& scene) {
             facts.masked |= material.masked;
             facts.masked_textures |= material.masked && material.base_color_texture.used();
             facts.normal_maps |= material.normal_texture.used();
+            facts.glossy |= material.roughness < 1.0f || material.metallic_roughness_texture.used();
             facts.color_textures |=
                 material.base_color_texture.used() || material.emissive_texture.used();
             facts.shading_data_textures |=

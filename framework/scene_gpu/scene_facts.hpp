@@ -14,6 +14,7 @@ struct SceneFacts {
     bool color_textures = false;        ///< a used material has a base colour or emissive image
     bool shading_data_textures = false; ///< ... a metallic-roughness or occlusion image
     bool normal_maps = false;
+    bool glossy = false; ///< a used material is somewhere smoother than roughness 1
     bool masked = false;
     bool masked_textures = false;    ///< a masked material takes its alpha from an image
     bool vertex_colors = false;      ///< a used primitive has colours

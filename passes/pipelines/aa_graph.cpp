@@ -223,7 +223,7 @@ void add_means(
     const bool lights = facts.directional_lights + facts.point_lights + facts.spot_lights > 0;
     const bool stratified = params.resolve == Resolve::stratified;
     in.demodulate = stratified && params.demodulate && textured;
-    in.filter_highlights = stratified && params.filter_highlights && lights;
+    in.filter_highlights = stratified && params.filter_highlights && lights && facts.glossy;
     if (in.demodulate || in.filter_highlights) {
         in.means = add_surface_means(graph, in.scene, in.gbuffer, clusters,
             {.width = params.width,
@@ -236,8 +236,9 @@ void add_means(
                 ? "--resolve prefix knows no surfaces"
                 : fmt::format("{}; {}",
                       params.demodulate ? "no material has a colour image" : "no --demodulate",
-                      params.filter_highlights ? "ambient light makes no highlights"
-                                               : "no --filter-highlights"));
+                      !params.filter_highlights ? "no --filter-highlights"
+                      : !lights                 ? "ambient light makes no highlights"
+                                                : "no material is smoother than roughness 1"));
     }
 }
 

@@ -107,6 +107,16 @@ TEST(SceneFacts, TwoSetsOfCoordinatesNeedTheSecondTarget) {
     EXPECT_FALSE(facts_of(scene).extra_target()) << "unused";
 }
 
+TEST(SceneFacts, GlossIsAnythingSmootherThanRoughnessOne) {
+    Scene scene = triangle_scene();
+    EXPECT_FALSE(facts_of(scene).glossy);
+    scene.materials[0].roughness = 0.99f;
+    EXPECT_TRUE(facts_of(scene).glossy);
+    scene.materials[0].roughness = 1;
+    scene.materials[0].metallic_roughness_texture.image = 0;
+    EXPECT_TRUE(facts_of(scene).glossy) << "its texels may be smaller";
+}
+
 TEST(SceneFacts, LightsByTypeAndTheSunsShadow) {
     Scene scene = triangle_scene();
     scene.lights.resize(7);

@@ -637,6 +637,8 @@ TEST_F(AdaptiveAaTest, MeansOfSurfacesExistWhereSamplesTakeThem) {
     plain.ambient = glm::vec3(1.0f);
     const LitScene ambient(device(), plain);
     plain.lights.emplace_back();
+    const LitScene rough(device(), plain);
+    plain.materials[0].roughness = 0.5f;
     const LitScene untextured(device(), plain);
     AdaptiveAaParams p = params(8, 8, 2, AaMethod::adaptive);
     const auto why_not = [&](const LitScene& lit) {
@@ -652,6 +654,7 @@ TEST_F(AdaptiveAaTest, MeansOfSurfacesExistWhereSamplesTakeThem) {
     EXPECT_EQ(why_not(varied()), "runs");
     EXPECT_EQ(why_not(untextured), "runs");
     EXPECT_NE(why_not(ambient).find("no highlights"), std::string::npos) << why_not(ambient);
+    EXPECT_NE(why_not(rough).find("no material is smoother"), std::string::npos) << why_not(rough);
     p.filter_highlights = false;
     EXPECT_EQ(why_not(varied()), "runs");
     EXPECT_NE(why_not(untextured).find("no material has a colour image"), std::string::npos);
