@@ -433,7 +433,7 @@ bool travel(inout Path path, inout Tracker tracker, bool shadow, out Meeting met
 
 #ifdef MESHES
 /// Keeps where a flight ends while meshes before it are looked for: PATH_MEETING. What it overwrites
-/// is of shadow rays, of the way there, and drawn anew for every flight.
+/// is of shadow rays, of the way there, and drawn anew for the next ray.
 void hold(inout Path path, Meeting met) {
     if (met.what == MEETS_NOTHING) path.t = kInfinity;
     path.stage = PATH_MEETING | met.what;
@@ -461,7 +461,8 @@ bool look_for_meshes(inout Path path, bool shadow, out Meeting met, out MeshSear
         return ended || path.transmittance == 0.0;
     }
     path.transmittance = search.t;
-    path.depth = uintBitsToFloat(search.triangle);
+    // Where it ends, the depth is that of the next ray again.
+    path.depth = ended ? depth_of(draw_step(path).x) : uintBitsToFloat(search.triangle);
     met.what = search.triangle != MESH_END ? MEETS_MESH : path.stage & ~PATH_MEETING;
     met.xi = path.chance;
     vec3 direction = unit_from_world_direction(path.direction);

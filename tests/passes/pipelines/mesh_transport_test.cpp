@@ -165,6 +165,27 @@ TEST_F(MeshTransportTest, AWallInTheSunLightsTheMediumInTheShade) {
     EXPECT_LT(z_of(found, expected), z_limit(3)) << found.mean << ' ' << expected;
 }
 
+TEST_F(MeshTransportTest, AFarMeshChangesNoneOfTheSunsManyScatterings) {
+    // Shadow rays of all scatterings, also of those behind a search that has found nothing.
+    Scene scene;
+    scene.materials = {matte(0)};
+    scene.lights = {{.name = "sun",
+        .type = LightType::directional,
+        .direction = {0, 0, -1},
+        .intensity = glm::vec3(static_cast<float>(kPi)),
+        .casts_shadow = true}};
+    VolumeView view = lit_by(scene, fog(20, 0.9f, 0), glm::vec3(0.0f));
+    SurfaceVolumeParams p = params(16, VolumeMode::path);
+    p.medium.samples_per_step = 32;
+    const Estimate alone = mean_of(render(scene, view, through_the_middle(), p, 4));
+    add(scene, rectangle({9, 9, -9}, {0.01f, 0, 0}, {0, 0.01f, 0}));
+    view.seed += 1;
+    const Estimate beside = mean_of(render(scene, view, through_the_middle(), p, 4));
+    EXPECT_LT(std::max(alone.error, beside.error), 0.02 * alone.mean);
+    const Estimate difference{beside.mean - alone.mean, std::hypot(alone.error, beside.error)};
+    EXPECT_LT(z_of(difference, 0), z_limit(1)) << beside.mean << ' ' << alone.mean;
+}
+
 TEST_F(MeshTransportTest, LampsLightTheMediumExceptBehindMeshes) {
     // A lamp above the cube, a plate between it and the far side; the second time a spot light, and
     // the sun from above.
