@@ -117,8 +117,9 @@ void print_choice(
     const AaChoice& choice, const FrameTimes& times, const std::optional<ImageError>& error) {
     fmt::print("lambda  {:9.3g}, as for '{}'\n", choice.lambda, choice.class_name);
     fmt::print("predicted {:7.2f} dB, {:.2f} ms\n", choice.psnr, choice.total_gpu_ms);
-    fmt::print("obtained  {} dB, {:.2f} ms\n",
-        error ? fmt::format("{:7.2f}", error->psnr) : "unknown (no --reference)", times.total());
+    fmt::print("obtained  {}, {:.2f} ms\n",
+        error ? fmt::format("{:7.2f} dB", error->psnr) : "error unknown without --reference",
+        times.total());
 }
 
 void add_layer(Image& picture, const Image& source, int channel, const std::string& name) {

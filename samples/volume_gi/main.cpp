@@ -239,8 +239,9 @@ void print_choice(
     fmt::print("choice  {}, {:.0f} steps, as for '{}'\n", name_of(choice.technique), choice.steps,
         choice.class_name);
     fmt::print("predicted {:7.2f} dB, {:.2f} ms\n", choice.psnr, choice.gpu_ms);
-    fmt::print("obtained  {} dB, {:.2f} ms\n",
-        error ? fmt::format("{:7.2f}", error->psnr) : "unknown (no --reference)", gpu_ms);
+    fmt::print("obtained  {}, {:.2f} ms\n",
+        error ? fmt::format("{:7.2f} dB", error->psnr) : "error unknown without --reference",
+        gpu_ms);
 }
 
 /// Everything that decides the picture: flags but those of one run and names of files, what these
