@@ -4,6 +4,7 @@
 // test. Which kernels ran is read off the log, so that none is forgotten.
 #include "framework/core/log.hpp"
 #include "passes/pipelines/surface_volume.hpp"
+#include "tests/support/ball.hpp"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/surface_scenes.hpp"
 
@@ -127,20 +128,6 @@ TEST_F(EveryKernel, OfSurfacesIsSilent) {
         all.merge(kernels_of(folder));
     for (const std::string& kernel : kOfMeshesInAMedium) all.erase(kernel);
     expect_compiled(all);
-}
-
-Volume ball() {
-    Volume volume;
-    volume.name = "ball";
-    volume.dims = glm::uvec3(12);
-    for (int z = 0; z < 12; ++z)
-        for (int y = 0; y < 12; ++y)
-            for (int x = 0; x < 12; ++x) {
-                const double r = std::hypot(x - 5.5, y - 5.5, z - 5.5) / 5.5;
-                volume.voxels.push_back(
-                    std::byte(std::lround(255 * std::clamp(1.2 - r, 0.0, 1.0))));
-            }
-    return volume;
 }
 
 VolumeView lit_view() {

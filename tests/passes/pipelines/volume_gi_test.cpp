@@ -3,6 +3,7 @@
 // for bit, and what need not is kept.
 #include "framework/graph/explain/explain.hpp"
 #include "passes/pipelines/volume_gi.hpp"
+#include "tests/support/ball.hpp"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/shuffle.hpp"
 
@@ -15,21 +16,6 @@
 
 namespace ockham::test {
 namespace {
-
-/// A fuzzy ball, in values from 0 to 255.
-Volume ball() {
-    Volume volume;
-    volume.name = "ball";
-    volume.dims = glm::uvec3(12);
-    for (int z = 0; z < 12; ++z)
-        for (int y = 0; y < 12; ++y)
-            for (int x = 0; x < 12; ++x) {
-                const double r = std::hypot(x - 5.5, y - 5.5, z - 5.5) / 5.5;
-                volume.voxels.push_back(
-                    std::byte(std::lround(255 * std::clamp(1.2 - r, 0.0, 1.0))));
-            }
-    return volume;
-}
 
 TransferFunction rising(double opacity) {
     return {{{.value = 0, .opacity = 0}, {.value = 255, .opacity = opacity}}};
