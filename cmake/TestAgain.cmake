@@ -32,7 +32,7 @@ set(OCKHAM_NOT_ON_SWIFTSHADER
   SurfaceVolumeTest.WhereTheMediumIsNotInTheWayMeshesKeepTheirBits SurfaceVolumeTest.A*Furnace*
   SurfaceVolumeTest.OpaqueFogHidesBrightEdgesAtAnyNumberOfSteps
   SurfaceVolumeTest.MeshesKeepTheSunOutOfTheMedium SurfaceVolumeTest.AMovedCameraEqualsAFreshPicture
-  SurfaceVolumeTest.IsosurfacesHideMeshesBehindThemAndNoOthers MeshTransportTest.*
+  SurfaceVolumeTest.IsosurfacesHideMeshesBehindThemAndNoOthers MeshTransportTest.* IsosurfaceSamples.*
   SurfaceVolumeProgram.renders_both_into_one_picture
   # Budgets of loop iterations are lavapipe's need; the same kernels over and over take 40 to 65 s each.
   # VolumeGiTest.TheBudgetOfIterationsChangesNothing remains.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <vector>
 
 namespace ockham::gpu {
 
@@ -35,9 +36,18 @@ ShaderRegistration::ShaderRegistration(std::span<const EmbeddedShader> table) {
 std::span<const std::uint32_t> find_shader(std::string_view name) {
     const auto found = registry().find(name);
     if (found != registry().end()) return found->second;
+    // Variants of the same file, or else all files: hundreds of names would say nothing.
+    const auto file_of = [](std::string_view shader) { return shader.substr(0, shader.find(':')); };
+    std::vector<std::string_view> near = shader_names();
+    std::erase_if(near, [&](std::string_view other) { return file_of(other) != file_of(name); });
+    if (near.empty()) {
+        near = shader_names();
+        std::ranges::transform(near, near.begin(), file_of);
+        near.erase(std::unique(near.begin(), near.end()), near.end());
+    }
     fail_input("no shader '{}' is built in; add it with ockham_add_shaders() and link that target. "
                "Built in are: {}",
-        name, fmt::join(shader_names(), ", "));
+        name, fmt::join(near, ", "));
 }
 
 std::vector<std::string_view> shader_names() {

@@ -36,7 +36,7 @@ struct ShaderRegistration {
 };
 
 /// SPIR-V of "surface/metrics.comp" or, for variants, "surface/gbuffer.frag:masked". Throws
-/// Error(input) with the names that exist.
+/// Error(input) with the names that exist of its file, or else those of all files.
 std::span<const std::uint32_t> find_shader(std::string_view name);
 /// All names that find_shader() knows, sorted.
 std::vector<std::string_view> shader_names();

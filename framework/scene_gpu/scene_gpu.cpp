@@ -17,7 +17,7 @@
 namespace ockham {
 namespace {
 
-constexpr std::size_t kMaxMaterials = (1u << 24) - 1; // bits of the packed G-buffer
+constexpr std::size_t kMaxMaterials = ISO_MATERIAL; // bits of the packed G-buffer, less isosurfaces
 
 /// Which images go into one array, each once.
 class LayerList {

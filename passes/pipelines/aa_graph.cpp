@@ -339,7 +339,8 @@ AdaptiveAaOutputs add_adaptive_aa(
             .m = params.m,
             .layout = params.gbuffer.value_or(GbufferLayout::packed),
             .slopes = !clusters_reason(params).empty() || (in.medium && params.m > 1),
-            .tile = params.view},
+            .tile = params.view,
+            .medium = in.medium && in.medium->opaque ? in.medium : std::nullopt},
         max_extent);
     const ShadingParams shading{.width = params.width,
         .height = params.height,
@@ -363,7 +364,8 @@ AdaptiveAaOutputs add_adaptive_aa(
     }
     if (!in.medium) graph.export_resource(out.radiance, "the picture");
     if (!params.no_medium.empty()) {
-        for (const char* pass : {"majorants", "cache", "path_trace", "compose", "over_meshes"})
+        for (const char* pass :
+            {"gbuffer, isosurfaces", "majorants", "cache", "path_trace", "compose", "over_meshes"})
             graph.omit_pass(pass, params.no_medium);
         for (const char* resource : {"volume", "transfer"})
             graph.omit_resource(resource, params.no_medium);

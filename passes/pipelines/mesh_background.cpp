@@ -91,10 +91,10 @@ BufferHandle MeshBackground::import_tree(Graph& graph, bool scatters) {
 }
 
 MeshInputs MeshBackground::declare(
-    Graph& graph, const MediumInputs& medium, bool scatters, Condition new_view) {
+    Graph& graph, const MediumInputs& medium, Use use, Condition new_view) {
     scene_ = lit_.gpu().import(graph);
     frame_ = graph.import_buffer("mesh_frame", {sizeof(shader::FrameData)}, {});
-    tree_ = import_tree(graph, scatters);
+    tree_ = import_tree(graph, use.scatters);
     sun_map_ = {};
     if (const gpu::Image* map = lit_.shadow_map()) {
         sun_map_ = graph.import_image("shadow_map",
@@ -118,15 +118,18 @@ MeshInputs MeshBackground::declare(
     }
     ShadingInputs shaded = in;
     shaded.gbuffer = out.gbuffer;
+    MeshInputs meshes;
+    meshes.picture = add_kept(graph, out.radiance, "meshes");
+    if (!use.rays) return meshes;
     const ShadingParams shading{.width = params_.width,
         .height = params_.height,
         .m = params_.m,
         .anisotropy = params_.anisotropy};
     const SceneFacts& facts = lit_.gpu().facts();
-    const bool lamps = scatters && facts.point_lights + facts.spot_lights > 0;
-    MeshInputs meshes{.ends = add_mesh_ends(graph, frame_, out.gbuffer, out.labels, shading),
+    const bool lamps = use.scatters && facts.point_lights + facts.spot_lights > 0;
+    meshes = {.ends = add_mesh_ends(graph, frame_, out.gbuffer, out.labels, shading),
         .radiance = {},
-        .picture = add_kept(graph, out.radiance, "meshes"),
+        .picture = meshes.picture,
         .sun_map = sun_map_,
         .tree = tree_,
         .lamps = lamps ? scene_.lights : BufferHandle{},

@@ -20,10 +20,14 @@ public:
     /// What kernels on volumes need to know of it.
     void describe(shader::VolumeFrame& frame) const;
 
-    /// Adds the passes, which run where `new_view` holds. `medium` without meshes; `scatters`: its
-    /// paths meet them. Throws Error(device) where the tree for that is more than a kernel can
-    /// bind.
-    MeshInputs declare(Graph& graph, const MediumInputs& medium, bool scatters, Condition new_view);
+    /// Whom the medium sends to the meshes.
+    struct Use {
+        bool rays = true;      ///< the camera's, which end there
+        bool scatters = false; ///< paths that have been scattered
+    };
+    /// Adds the passes, which run where `new_view` holds. `medium` without meshes. Throws
+    /// Error(device) where the tree for what scatters is more than a kernel can bind.
+    MeshInputs declare(Graph& graph, const MediumInputs& medium, Use use, Condition new_view);
     void bind(Executor& executor) const;
 
     /// k of the last declare(), kept between executions, r8ui; empty: every pixel has as many.

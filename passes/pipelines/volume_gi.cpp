@@ -56,6 +56,13 @@ CacheChange cache_change(
     return light ? CacheChange::light : surface ? CacheChange::surface : CacheChange::none;
 }
 
+bool has_opaque(const VolumeView& view) {
+    return std::ranges::any_of(view.surfaces, [](const auto& s) { return s.opacity >= 1; });
+}
+bool has_translucent(const VolumeView& view) {
+    return std::ranges::any_of(view.surfaces, [](const auto& s) { return s.opacity < 1; });
+}
+
 /// Light goes on in other directions than the camera's: surfaces scatter in mode path alone.
 bool scatters(const VolumeView& view, VolumeMode mode) {
     const bool surfaces = mode == VolumeMode::path && !view.surfaces.empty();
@@ -109,6 +116,10 @@ VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunc
                          .memory = gpu::MemoryUse::upload}) {
     if (meshes_ && gpu_.facts().environment_map)
         fail_input("--environment: meshes have one colour behind them; found a map");
+    if (meshes_ && params_.search != SurfaceSearch::exact) {
+        fail_input("--surface-search: among meshes, isosurfaces are met by rays through samples of "
+                   "the G-buffer; use exact");
+    }
     show(view, camera);
     if (caching()) cache_size_ = count_cache_cells(device_, gpu_, frame_, cache_params());
     Graph graph = declare();
@@ -140,6 +151,11 @@ CacheParams VolumeGi::cache_params() const {
     return p;
 }
 
+bool VolumeGi::at_rest() const {
+    return meshes_ && view_.density_scale == 0 && params_.mode != VolumeMode::path &&
+           has_opaque(view_) && !has_translucent(view_);
+}
+
 Graph VolumeGi::declare() {
     Graph graph("volume_gi");
     const VolumeFacts& facts = gpu_.facts();
@@ -149,16 +165,45 @@ Graph VolumeGi::declare() {
         .ranges = {},
         .majorants = {},
         .surfaces = !view_.surfaces.empty(),
+        .opaque = meshes_ && has_opaque(view_),
+        .translucent = has_translucent(view_),
         .sobol = params_.sobol};
     if (!facts.emission) graph.omit_resource("emission", "the transfer function emits nothing");
     if (!facts.environment_map) graph.omit_resource("environment", "the environment is one colour");
     new_view_ = graph.add_condition("new view");
     restart_ = graph.add_condition("new picture");
+    drain_ = graph.add_condition("finish");
     declare_majorants(graph);
     if (meshes_)
-        medium_.meshes = meshes_->declare(graph, medium_, scatters(view_, params_.mode), new_view_);
+        medium_.meshes = meshes_->declare(graph, medium_,
+            {.rays = !at_rest(), .scatters = scatters(view_, params_.mode)}, new_view_);
+    if (meshes_ && !medium_.opaque) {
+        graph.omit_pass(
+            "gbuffer, isosurfaces", medium_.surfaces ? "no isosurface is opaque" : "no --iso");
+    }
     cache_.reset();
     composed_.reset();
+    if (at_rest()) {
+        for (const char* pass :
+            {"mesh_ends", "mesh_radiance", "cache", "path_trace", "compose", "over_meshes"})
+            graph.omit_pass(pass, "no density, and isosurfaces are all opaque: the samples of the "
+                                  "G-buffer are all that is seen");
+        radiance_ = medium_.meshes.picture;
+    } else {
+        declare_light(graph);
+    }
+    if (!params_.no_meshes.empty()) {
+        for (const char* pass : {"gbuffer", "first_sample", "metrics", "buckets", "shade",
+                 "resolve", "mesh_ends", "mesh_radiance", "over_meshes"})
+            graph.omit_pass(pass, params_.no_meshes);
+        graph.omit_resource("mesh_tree", params_.no_meshes);
+    }
+    graph.export_resource(radiance_, "the picture");
+    declare_captures(graph);
+    return graph;
+}
+
+void VolumeGi::declare_light(Graph& graph) {
     if (caching()) {
         declare_cache(graph);
     } else {
@@ -171,15 +216,6 @@ Graph VolumeGi::declare() {
             .count = composed_ ? composed_->count : ImageHandle{}};
         radiance_ = add_over_meshes(graph, medium_.meshes, radiance_, rays, meshes_->params().m);
     }
-    if (!params_.no_meshes.empty()) {
-        for (const char* pass : {"gbuffer", "first_sample", "metrics", "buckets", "shade",
-                 "resolve", "mesh_ends", "mesh_radiance", "over_meshes"})
-            graph.omit_pass(pass, params_.no_meshes);
-        graph.omit_resource("mesh_tree", params_.no_meshes);
-    }
-    graph.export_resource(radiance_, "the picture");
-    declare_captures(graph);
-    return graph;
 }
 
 void VolumeGi::declare_majorants(Graph& graph) {
@@ -198,7 +234,6 @@ void VolumeGi::declare_cache(Graph& graph) {
 }
 
 void VolumeGi::declare_picture(Graph& graph) {
-    drain_ = graph.add_condition("finish");
     if (traces()) {
         const PathMode mode = caching()                          ? PathMode::gather
                               : params_.mode == VolumeMode::path ? PathMode::path
@@ -296,7 +331,7 @@ void VolumeGi::execute(std::uint32_t steps) {
 }
 
 bool VolumeGi::finished() {
-    if (pending_.picture) return true;
+    if (pending_.picture || at_rest()) return true;
     if (traces()) return path_statistics(executor_->read(paths_.statistics)).drained();
     const Image counts = executor_->read(composed_->count);
     return std::ranges::all_of(
@@ -326,14 +361,18 @@ void VolumeGi::set_view(const VolumeView& view) {
     shader::VolumeFrame before, after;
     std::memcpy(&before, frame_.mapped().data(), sizeof(before));
     const bool scattered = scatters(view_, params_.mode);
+    const bool opaque = has_opaque(view_), translucent = has_translucent(view_);
+    const bool rested = at_rest();
     show(view, camera_);
     std::memcpy(&after, frame_.mapped().data(), sizeof(after));
     const CacheChange change = cache_change(before, after, params_.iso_occlusion);
     pending_.picture = true;
     pending_.cache = both(pending_.cache, change);
-    const bool other_graph = (before.surface_count == 0) != (after.surface_count == 0) ||
-                             (caching() && (before.phase_g == 0) != (after.phase_g == 0)) ||
-                             (meshes_ && scatters(view_, params_.mode) != scattered);
+    const bool other_graph =
+        (before.surface_count == 0) != (after.surface_count == 0) ||
+        (caching() && (before.phase_g == 0) != (after.phase_g == 0)) ||
+        (meshes_ && (scatters(view_, params_.mode) != scattered || has_opaque(view_) != opaque ||
+                        has_translucent(view_) != translucent || at_rest() != rested));
     const bool other_size =
         caching() &&
         (change == CacheChange::medium || (change == CacheChange::surface && !cache_->hold_solid));

@@ -141,11 +141,14 @@ private:
         std::uint64_t paths = 0, events = 0, resumed = 0, truncated = 0;
         std::uint64_t settled = 0; ///< 1: all samples are of the cache as it will stay
     };
-    bool caching() const { return params_.mode == VolumeMode::caching; }
-    bool traces() const { return !caching() || params_.gather; }
+    /// Steps have nothing to add: what is seen are samples of the meshes' G-buffer.
+    bool at_rest() const;
+    bool caching() const { return params_.mode == VolumeMode::caching && !at_rest(); }
+    bool traces() const { return (!caching() || params_.gather) && !at_rest(); }
     CacheParams cache_params() const;
     Graph declare();
     void declare_majorants(Graph& graph);
+    void declare_light(Graph& graph);
     void declare_cache(Graph& graph);
     void declare_picture(Graph& graph);
     void declare_captures(Graph& graph);

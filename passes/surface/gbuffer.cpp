@@ -30,6 +30,23 @@ void read_masks(PassBuilder& pass, const SceneInputs& in) {
     }
 }
 
+void read_isosurfaces(PassBuilder& pass, const SceneInputs& in, const MediumInputs& medium) {
+    pass.read("frame", in.frame, Stage::fragment)
+        .uniform("medium_frame", medium.frame, Stage::vertex)
+        .uniform("medium_frame", medium.frame, Stage::fragment)
+        .sample("volume", medium.handles.volume, Stage::fragment)
+        .read("ranges", medium.ranges, Stage::fragment);
+}
+
+/// Rays through the samples that the medium's box covers.
+void draw_isosurfaces(Commands& commands, const SceneInputs& in, const GbufferParams& params) {
+    commands.bind({.vertex_shader = "surface/isosurfaces.vert",
+        .fragment_shader = shader_variant("surface/isosurfaces.frag",
+            {{"extra", in.scene->facts().extra_target()}, {"slopes", params.slopes}})});
+    commands.set_cull(Commands::Cull::back, true); // its far sides, for the camera may be inside
+    commands.draw(36);
+}
+
 void record_packed(PassBuilder& pass, const SceneInputs& in, const GbufferParams& params) {
     read_vertices(pass, in);
     read_masks(pass, in);
@@ -37,6 +54,7 @@ void record_packed(PassBuilder& pass, const SceneInputs& in, const GbufferParams
         pass.sample(
             "data_textures", in.handles.data_textures, Stage::fragment, Filter::linear_repeat);
     }
+    if (params.medium) read_isosurfaces(pass, in, *params.medium);
     pass.record([in, params](Commands& commands) {
         const SceneFacts& has = in.scene->facts();
         const auto fragment = [&](bool masked) {
@@ -56,6 +74,7 @@ void record_packed(PassBuilder& pass, const SceneInputs& in, const GbufferParams
                 .fragment_shader = masked,
                 .specialization = vertices},
             Sides::front);
+        if (params.medium) draw_isosurfaces(commands, in, params);
     });
 }
 
@@ -119,9 +138,10 @@ Gbuffer add_gbuffer(
     if (packed && params.slopes) out.slopes = create("gbuffer.slopes", VK_FORMAT_R32_UINT);
 
     PassBuilder pass = graph.add_raster_pass("gbuffer");
-    pass.because(fmt::format(
-        "{} triangles seen at {} x {} samples per pixel, {}: {} bytes a sample", facts.triangles,
-        params.m, params.m, packed ? "packed" : "as ids", gbuffer_bytes_per_sample(graph)));
+    pass.because(
+        fmt::format("{} triangles{} seen at {} x {} samples per pixel, {}: {} bytes a sample",
+            facts.triangles, params.medium ? " and opaque isosurfaces" : "", params.m, params.m,
+            packed ? "packed" : "as ids", gbuffer_bytes_per_sample(graph)));
     if (packed) {
         // What depth marks as background is never read, so only depth is cleared.
         out.surface = pass.color(out.surface, LoadOp::discard);

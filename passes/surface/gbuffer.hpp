@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rasterises the scene into a G-buffer of m x m samples per pixel, in one of two layouts: packed
-// surface attributes (shaders/surface/packing.glsl), or the ids of triangles, which kernels
-// evaluate anew (visibility.glsl). No albedo: textures wait for the shading.
+// Rasterises the scene, and isosurfaces that are opaque, into a G-buffer of m x m samples per
+// pixel, in one of two layouts: packed surface attributes (shaders/surface/packing.glsl), or the
+// ids of triangles, which kernels evaluate anew (visibility.glsl). No albedo: textures wait for the
+// shading.
 #pragma once
 
 #include "passes/surface/draw_scene.hpp"
+#include "passes/volume/medium_inputs.hpp"
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -28,6 +31,7 @@ struct GbufferParams {
     GbufferLayout layout = GbufferLayout::packed;
     bool slopes = false;              ///< packed: also what fetch_plane() needs
     const ScreenTile* tile = nullptr; ///< null: the images are the whole picture; else outlives it
+    std::optional<MediumInputs> medium = {}; ///< packed: whose opaque isosurfaces are drawn as well
 };
 
 /// Images of (m width) x (m height) samples, and what their layout takes from the scene.

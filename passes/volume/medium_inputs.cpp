@@ -31,7 +31,11 @@ std::string medium_variant(
 
 Specialization medium_specialization(const MediumInputs& in) {
     Specialization out{{SPEC_SOBOL, in.sobol ? 1u : 0u}};
-    if (in.meshes.ends) out.emplace_back(SPEC_SUN_MAP, bool(in.meshes.sun_map));
+    if (in.meshes.ends) {
+        out.emplace_back(SPEC_SUN_MAP, bool(in.meshes.sun_map));
+        out.emplace_back(SPEC_ISO_SAMPLES, in.opaque);
+        out.emplace_back(SPEC_TRANSLUCENT, in.translucent);
+    }
     return out;
 }
 
@@ -73,7 +77,8 @@ void read_transmittance(PassBuilder& pass, const MediumInputs& in) {
 }
 
 Specialization transmittance_specialization(const MediumInputs& in) {
-    return {{SPEC_MEDIUM_GRID, bool(in.majorants)}, {SPEC_MEDIUM_SURFACES, in.surfaces}};
+    return {{SPEC_MEDIUM_GRID, bool(in.majorants)}, {SPEC_MEDIUM_SURFACES, in.surfaces},
+        {SPEC_ISO_SAMPLES, in.opaque}};
 }
 
 std::uint32_t transmittance_iterations(const MediumInputs& in) {

@@ -30,7 +30,9 @@ struct MediumInputs {
     BufferHandle ranges;    ///< vec2 per range cell: least and greatest texel value; with surfaces
     BufferHandle majorants; ///< float per range cell: greatest opacity; not where homogeneous
     bool surfaces = false;  ///< there is an isovalue
-    bool sobol = true;      ///< samples of a pixel or cell avoid each other
+    bool opaque = false;    ///< samples of the G-buffer show the first isosurface of opacity 1
+    bool translucent = false; ///< there is one of less
+    bool sobol = true;        ///< samples of a pixel or cell avoid each other
     MeshInputs meshes = {};
 };
 

@@ -191,6 +191,13 @@ vec3 sample_local(IsoMaterial m, uint shading, vec3 v, vec4 xi) {
     return sample_cosine(xi.xy);
 }
 
+/// Share of even light that the diffuse part reflects.
+vec3 iso_diffuse_albedo(IsoMaterial m, uint shading) {
+    float diffuse = shading == SHADING_DISNEY ? 1.0 - m.metallic
+        : shading == SHADING_PHONG            ? 1.0 - 0.08 * m.specular
+                                              : 1.0;
+    return diffuse * clamp(m.base_color, vec3(0.0), vec3(1.0));
+}
 /// BRDF times cos; 0 below the horizon. Reciprocal but for cos.
 vec3 evaluate_iso(IsoMaterial m, uint shading, vec3 n, vec3 v, vec3 l) {
     mat3 to_world = shading_frame(n);

@@ -28,6 +28,9 @@ struct VisibilityPush {
 #define TRIANGLES_PER_BLOCK (1u << TRIANGLE_BLOCK_BITS)
 #define NO_TRIANGLE 0u // background
 
+// Of packed samples: the material of the first isosurface, the others follow. Scenes have fewer.
+#define ISO_MATERIAL 0xfffff0u
+
 // Specialisation: vec4s from one vertex to the next, and which of them holds an attribute
 // (ATTRIBUTE_ABSENT: the scene has none). Numbers apart from those of shade.h: kernels that shade
 // from the visibility layout have both.

@@ -31,6 +31,7 @@ layout(binding = 8) uniform sampler2D shadow_map;
 #endif
 
 #include "surface/lit_through.glsl"
+#include "surface/isosurface.glsl"
 
 layout(push_constant, scalar) uniform Push { ShadePush push; };
 
@@ -101,6 +102,15 @@ float stall(float x) {
     return x < -1.0 ? 0.0 : 1.0;
 }
 
+/// Radiance towards `v` per irradiance from `l`; material: the sample's.
+vec3 reflect_from(Surface surface, uint material, vec3 n, vec3 v, vec3 l) {
+    vec3 reflected = reflect_light(surface, n, v, l);
+    // A loop, since software drivers execute both sides of a branch.
+    for (bool iso = is_isosurface(material); iso; iso = false)
+        reflected = reflect_isosurface(material, n, v, l);
+    return reflected;
+}
+
 /// Returns linear radiance, and 1 where a surface is hit, 0 on background.
 vec4 shade_sample(ivec2 pixel, Pick pick) {
     ivec2 offset = window_offset(int(pick.index));
@@ -109,7 +119,8 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
     float unstalled = stall(s.depth);
     if (s.depth <= 0.0) return vec4(frame.data.background * unstalled, 0.0);
 
-    MaterialData material = materials.items[s.material];
+    bool iso = is_isosurface(s.material);
+    MaterialData material = materials.items[iso ? 0u : s.material];
     vec4 base_color = material.base_color;
     base_color.rgb *= s.color;
     vec3 emissive = material.emissive;
@@ -137,7 +148,7 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
     }
 #endif
     if (pick.albedo != 0u) base_color.rgb = unpack_color(pick.albedo);
-    if ((material.flags & MATERIAL_UNLIT) != 0u) return vec4(base_color.rgb * unstalled, 1.0);
+    if (!iso && (material.flags & MATERIAL_UNLIT) != 0u) return vec4(base_color.rgb * unstalled, 1.0);
 
     Surface surface = make_surface(base_color.rgb, metallic, roughness, material.reflectance);
     surface.alpha2 = min(surface.alpha2 + pick.roughening, 1.0);
@@ -146,6 +157,7 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
     vec3 v = to_camera(world);
     vec3 n = s.normal;
     vec3 radiance = emissive + frame.data.ambient * occlusion * (surface.diffuse + surface.reflectance);
+    if (iso) radiance = isosurface_ambient(s.material);
 
     uint light = 0u;
     if (kDirectionalLights) {
@@ -155,8 +167,8 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
 #ifdef SHADOW
             if (light == 0u) visible = sun_visibility(world, depth, n, dot(n, l));
 #endif
-            visible *= lit_through(world, n, l, 1e30);
-            radiance += visible * lights.items[light].intensity * reflect_light(surface, n, v, l);
+            visible *= lit_through(world, n, l, 1e30, iso);
+            radiance += visible * lights.items[light].intensity * reflect_from(surface, s.material, n, v, l);
         }
     }
     if (kPointLights) {
@@ -166,8 +178,8 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
             float distance2 = dot(to_light, to_light);
             vec3 l = to_light * inversesqrt(max(distance2, 1e-12));
             radiance += attenuation(lights.items[light], distance2) *
-                        lit_through(world, n, l, sqrt(distance2)) * lights.items[light].intensity *
-                        reflect_light(surface, n, v, l);
+                        lit_through(world, n, l, sqrt(distance2), iso) * lights.items[light].intensity *
+                        reflect_from(surface, s.material, n, v, l);
         }
     }
     if (kSpotLights) {
@@ -179,8 +191,8 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
             float cone = clamp(dot(l, lights.items[light].to_light) * lights.items[light].cone_scale +
                                    lights.items[light].cone_offset, 0.0, 1.0);
             radiance += attenuation(lights.items[light], distance2) * cone * cone *
-                        lit_through(world, n, l, sqrt(distance2)) *
-                        lights.items[light].intensity * reflect_light(surface, n, v, l);
+                        lit_through(world, n, l, sqrt(distance2), iso) *
+                        lights.items[light].intensity * reflect_from(surface, s.material, n, v, l);
         }
     }
     return vec4(radiance * unstalled, 1.0);

@@ -13,6 +13,7 @@
 #include "include/footprint.glsl"
 #include "shared/frame.h"
 #include "surface/clusters.glsl"
+#include "surface/gbuffer.h"
 #include "surface/material.glsl"
 #include "surface/shade.h"
 
@@ -36,7 +37,7 @@ const float kRough = 0.1; // deviation of slopes: 6 degrees
 
 vec3 fetch_albedo(ivec2 position) {
     SurfaceSample s = fetch_surface(position);
-    MaterialData material = materials.items[s.material];
+    MaterialData material = materials.items[s.material < ISO_MATERIAL ? s.material : 0u];
     vec3 color = material.base_color.rgb * s.color;
 #ifdef COLOR_TEXTURES
     TextureRef image = material.base_color_texture;

@@ -144,6 +144,11 @@ bool march(inout Composition c, Ray ray, float end, inout uint budget) {
 #ifdef SURFACES
 /// The next surface. False: there is none, hit.t = ray.far; or the budget is used up before.
 bool find_next(Composition c, Ray ray, ivec2 pixel, inout uint budget, out SurfaceHit hit) {
+#ifdef MESHES
+    SurfaceHit end = SurfaceHit(ray.far, kNoSurface, vec3(0.0), false);
+    hit = end;
+    if (kIsoSamples && !kTranslucent) return false;
+#endif
     bool first = c.search == ray.near;
 #ifdef DEPTH_IMAGE
     if (first) {
@@ -158,7 +163,14 @@ bool find_next(Composition c, Ray ray, ivec2 pixel, inout uint budget, out Surfa
         return met;
     }
 #endif
-    return find_surface(ray.origin, ray.direction, c.search, ray.far, first, ray.entry_normal, budget, hit);
+    bool met = find_surface(ray.origin, ray.direction, c.search, ray.far, first, ray.entry_normal, budget, hit);
+#ifdef MESHES
+    if (is_ray_end(hit)) {
+        hit = end;
+        met = false;
+    }
+#endif
+    return met;
 }
 
 /// What the surface at `hit` hides of what is behind, and shows. False: the budget is used up.

@@ -14,6 +14,8 @@
 #include "volume/meshes.h"
 
 layout(constant_id = SPEC_SUN_MAP) const bool kSunMap = true; // else another image stands in for it
+layout(constant_id = SPEC_ISO_SAMPLES) const bool kIsoSamples = false;
+layout(constant_id = SPEC_TRANSLUCENT) const bool kTranslucent = true;
 
 layout(binding = 16) uniform sampler2D sun_map;
 
@@ -30,8 +32,21 @@ uint mesh_end(ivec2 pixel, uint index) {
     uint m = constants.window, rank = index % (m * m);
     return texelFetch(mesh_ends, pixel * int(m) + ivec2(rank % m, rank / m), 0).x;
 }
-/// Where that ray ends, world units; kInfinity: it meets no mesh.
-float mesh_ray_end(ivec2 pixel, uint index) { return uintBitsToFloat(mesh_end(pixel, index) & ~3u); }
+/// Where that ray ends, world units; kInfinity: it meets no mesh. Opaque isosurfaces end it as well,
+/// but for a PATH, which scatters there: its ray ends a little behind them.
+float mesh_ray_end(ivec2 pixel, uint index) {
+    float end = uintBitsToFloat(mesh_end(pixel, index) & ~3u);
+#if defined(SURFACES) && defined(PATH)
+    if (kIsoSamples) end += beyond_hit() + 2e-6 * end; // distances are rounded to 2^-21
+#endif
+    return end;
+}
+#ifdef SURFACES
+/// A camera ray's search has met what the ray ends at.
+bool is_ray_end(SurfaceHit hit) {
+    return kIsoSamples && hit.surface != kNoSurface && frame.data.surfaces[hit.surface].opacity >= 1.0;
+}
+#endif
 /// Radiance that it sees there, as if there were no medium.
 vec3 mesh_ray_radiance(ivec2 pixel, uint index) {
     return texelFetch(mesh_radiance, ivec3(pixel, mesh_end(pixel, index) & 3u), 0).xyz;

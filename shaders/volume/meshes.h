@@ -20,6 +20,8 @@ struct OverMeshesPush {
 #define SPEC_LAMPS 36           // point and spot lights that light the medium
 #define SPEC_FIRST_LAMP 37      // the first of them among the scene's lights
 #define SPEC_SPOTS 38           // spot lights, the last of them
+#define SPEC_ISO_SAMPLES 39     // bool: samples of the G-buffer show the first opaque isosurface
+#define SPEC_TRANSLUCENT 40     // bool: others are not opaque
 
 OCKHAM_SHARED_END
 

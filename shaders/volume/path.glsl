@@ -352,6 +352,11 @@ bool set_out(inout Path path, inout Tracker tracker, vec3 direction, bool shadow
     tracker.hit.surface = kNoSurface;
     bool enters = path.search < near || path.search < 0.0; // a solid may begin right there
     float from = max(path.search, near);
+#if defined(MESHES) && !defined(CELLS) && !defined(PATH)
+    // The camera's ray ends at the first one that is opaque.
+    bool ends_there = path.bounces == 0u;
+    if (kIsoSamples && !kTranslucent && ends_there) from = far;
+#endif
     if (from < far) {
         uint slice = kSearchSlice;
         bool found =
@@ -360,6 +365,9 @@ bool set_out(inout Path path, inout Tracker tracker, vec3 direction, bool shadow
             path.search = tracker.hit.t;
             tracker.ready = false;
         }
+#if defined(MESHES) && !defined(CELLS) && !defined(PATH)
+        if (ends_there && is_ray_end(tracker.hit)) tracker.hit = SurfaceHit(far, kNoSurface, vec3(0.0), false);
+#endif
         tracker.flight.limit = tracker.hit.t;
     }
 #endif

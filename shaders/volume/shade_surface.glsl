@@ -26,10 +26,7 @@ vec3 reflected_light(SurfaceHit hit, vec3 view) {
 /// Radiance from an environment that is as bright everywhere as its mean.
 vec3 reflected_environment(SurfaceHit hit) {
     IsoMaterial material = frame.data.surfaces[hit.surface].material;
-    float diffuse = constants.shading == SHADING_DISNEY ? 1.0 - material.metallic
-        : constants.shading == SHADING_PHONG            ? 1.0 - 0.08 * material.specular
-                                                         : 1.0;
-    return diffuse * clamp(material.base_color, vec3(0.0), vec3(1.0)) * constants.environment;
+    return iso_diffuse_albedo(material, constants.shading) * constants.environment;
 }
 
 /// How much of the directional light arrives at a point, so far.

@@ -15,6 +15,7 @@
 
 layout(constant_id = SPEC_MEDIUM_GRID) const bool kMediumGrid = true;
 layout(constant_id = SPEC_MEDIUM_SURFACES) const bool kMediumSurfaces = true;
+layout(constant_id = SPEC_ISO_SAMPLES) const bool kIsoSamples = false;
 
 const float kOpaqueDepth = 6.2383246; // log(512): a composition ends there too
 
@@ -41,11 +42,12 @@ float optical_depth(vec3 unit_origin, vec3 unit_direction, float near, float far
     return depth;
 }
 
-/// Product over the isosurfaces met. A ray that starts in a solid sees nothing.
-float through_surfaces(vec3 origin, vec3 direction, float near, float far, vec3 entry_normal) {
+/// Product over the isosurfaces met. With `start_solid`, a ray that starts in a solid sees nothing.
+float through_surfaces(vec3 origin, vec3 direction, float near, float far, bool start_solid,
+    vec3 entry_normal) {
     uint budget = constants.dims.x + constants.dims.y + constants.dims.z + 64u;
     float value = 1.0, t = near;
-    bool start = true;
+    bool start = start_solid;
     while (t < far && value > 0.0 && budget > 0u) {
         SurfaceHit hit;
         bool met = find_surface(origin, direction, t, far, start, entry_normal, budget, hit);
@@ -59,15 +61,17 @@ float through_surfaces(vec3 origin, vec3 direction, float near, float far, vec3 
     return value;
 }
 
-/// Of the first `end` world units of a ray; direction: unit.
-float transmittance(vec3 origin, vec3 direction, float end) {
+/// Of the first `end` world units of a ray; direction: unit. Surfaces are looked for from `beside` the
+/// origin; start_solid: that may be in a solid.
+float transmittance(vec3 origin, vec3 beside, vec3 direction, float end, bool start_solid) {
     float near, far;
     vec3 entry_normal;
     bool inside = clip_ray(origin, direction, near, far, entry_normal);
     far = min(far, end);
     if (!inside || far <= near) return 1.0;
     float value = 1.0;
-    if (kMediumSurfaces) value = through_surfaces(origin, direction, near, far, entry_normal);
+    if (kMediumSurfaces)
+        value = through_surfaces(beside, direction, near, far, start_solid, entry_normal);
     float depth = optical_depth(unit_from_world(origin), unit_from_world_direction(direction), near, far);
     return depth < kOpaqueDepth ? value * exp(-depth) : 0.0;
 }

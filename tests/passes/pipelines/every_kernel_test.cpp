@@ -31,7 +31,7 @@ Kernels& compiled() {
 }
 
 /// Kernels that meshes in a medium add.
-const Kernels kOfMeshesInAMedium{
+const Kernels kOfMeshesInAMedium{"surface/isosurfaces.vert", "surface/isosurfaces.frag",
     "surface/mesh_radiance.comp", "volume/mesh_ends.comp", "volume/over_meshes.comp"};
 
 /// Files of a folder of shaders/ that are compiled on their own.
@@ -188,13 +188,15 @@ TEST_F(EveryKernel, OfMeshesInAMediumIsSilent) {
     const Volume volume = ball();
     const TransferFunction rising{{{.value = 0, .opacity = 0}, {.value = 255, .opacity = 1}}};
     const Image none;
-    const VolumeView view = lit_by(lit.scene(), lit_view(), glm::vec3(0.3f));
+    VolumeView view = lit_by(lit.scene(), lit_view(), glm::vec3(0.3f));
+    view.surfaces = {{.value = 100}};
+    const VolumePlacement place{{2, 2, 0}, {10, 20, 30}, 6};
     for (const bool gather : {true, false}) {
         SurfaceVolumeParams p;
         p.surfaces = adaptive();
         p.surfaces.aov = false;
         p.medium = volume_params(gather ? VolumeMode::path : VolumeMode::caching, gather);
-        SurfaceVolume picture(device(), &lit, MediumSource{volume, rising, none, view, {}},
+        SurfaceVolume picture(device(), &lit, MediumSource{volume, rising, none, view, place},
             lit.scene().cameras.front(), p);
         picture.execute();
         picture.execute();
