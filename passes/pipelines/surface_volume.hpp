@@ -54,8 +54,10 @@ public:
         const std::optional<MediumSource>& medium, const Camera& camera,
         const SurfaceVolumeParams& params);
 
-    /// One step: more samples of the medium, or, without one, the whole picture anew.
+    /// One step: more samples of the medium, or, where all_at_once(), the whole picture.
     void execute();
+    /// There is no medium, or its steps have nothing to add.
+    bool all_at_once() const { return !medium_ || medium_->at_rest(); }
     /// False: the medium has paths under way, which drain() goes on with. finish() until it has
     /// none.
     bool finished() { return !medium_ || medium_->finished(); }

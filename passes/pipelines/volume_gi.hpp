@@ -114,6 +114,9 @@ public:
 
     /// R, G, B (linear radiance) and A: means over all samples.
     Image picture() { return executor_->read(radiance_); }
+    /// The first step makes the whole picture, and later ones have nothing to add: no density, and
+    /// all isosurfaces are samples of the meshes' G-buffer.
+    bool at_rest() const;
     /// Since the picture began anew.
     std::uint64_t steps() const { return pending_.picture ? 0 : progress_.steps; }
     VolumeStatistics statistics();
@@ -141,8 +144,6 @@ private:
         std::uint64_t paths = 0, events = 0, resumed = 0, truncated = 0;
         std::uint64_t settled = 0; ///< 1: all samples are of the cache as it will stay
     };
-    /// Steps have nothing to add: what is seen are samples of the meshes' G-buffer.
-    bool at_rest() const;
     bool caching() const { return params_.mode == VolumeMode::caching && !at_rest(); }
     bool traces() const { return (!caching() || params_.gather) && !at_rest(); }
     CacheParams cache_params() const;

@@ -84,12 +84,12 @@ SurfaceVolumeParams picture_params(
 /// All steps of one picture, to their end. False where it was interrupted.
 bool render_picture(SurfaceVolume& picture, int steps, Progress& progress, std::size_t done,
     HeadlessRun& run, gpu::Device& device) {
-    const int last = picture.medium() ? steps : 1; // meshes alone are done at once
-    for (int step = 0; step < last; ++step) {
+    for (int step = 0; step < steps; ++step) {
         if (interrupted()) return false;
         reload_shaders(device);
         picture.execute();
-        if (done > 0 || step > 0 || last == 1) run.add_times(picture.times()); // the first compiles
+        if (done > 0 || step > 0 || steps == 1)
+            run.add_times(picture.times()); // the first compiles
         progress.update(done + static_cast<std::size_t>(step) + 1);
     }
     while (!picture.finished()) {
@@ -159,17 +159,20 @@ int render(int argc, char** argv) {
     run.announce(device, picture.executor());
     log::info("graph {} MiB", picture.executor().plan().bytes_peak >> 20);
 
-    const std::size_t steps = picture.medium() ? static_cast<std::size_t>(o.steps) : 1;
-    Progress progress("step", steps * cameras.size(), o.common.quiet);
+    const int steps = picture.all_at_once() ? 1 : o.steps;
+    const std::size_t all_steps = static_cast<std::size_t>(steps) * cameras.size();
+    Progress progress("step", all_steps, o.common.quiet);
     for (std::size_t i = 0; i < cameras.size(); ++i) {
         if (i > 0) picture.set_camera(cameras[i]);
-        if (!render_picture(picture, o.steps, progress, i * steps, run, device)) return 130;
+        if (!render_picture(
+                picture, steps, progress, i * static_cast<std::size_t>(steps), run, device))
+            return 130;
         run.save_picture(picture.picture(), static_cast<int>(i));
     }
     expect_no_validation_messages(device);
     run.save_captures(picture.executor(), picture.captures());
     const std::optional<ImageError> error = run.error_of(picture.picture());
-    print_summary(run.times(), picture, steps * cameras.size(), error);
+    print_summary(run.times(), picture, all_steps, error);
     run.report(device, picture.executor(), statistics_of(picture), error);
     return 0;
 }

@@ -29,9 +29,14 @@ void Viewer::draw_status() {
         if (label == "samples" || label == "steps" || label == "noise" || label == "cache")
             text += fmt::format("   {} {}", label, value);
     }
-    ImGui::TextUnformatted(text.c_str());
+    // What a narrow window cuts off is in the tooltip.
     const char* state = frozen_ ? "frozen" : hasty_ ? "in haste" : "";
-    ImGui::SameLine(static_cast<float>(area_.x) - ImGui::CalcTextSize(state).x - 12);
+    const float end = static_cast<float>(area_.x) - ImGui::CalcTextSize(state).x - 12;
+    ImGui::PushClipRect({0, 0}, {end - 12, static_cast<float>(size.y)}, true);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopClipRect();
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
+    ImGui::SameLine(end);
     ImGui::TextDisabled("%s", state);
     ImGui::End();
     ImGui::PopStyleVar(2);

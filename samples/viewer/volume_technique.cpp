@@ -162,7 +162,7 @@ void VolumeTechnique::render(glm::uvec2 size, bool hurry) {
     size_ = size;
     gather_ = gather;
     VolumeGi* gi = medium();
-    if (!gi) { // meshes alone are done at once
+    if (picture_->all_at_once()) {
         picture_->execute();
         finished_ = !hurry;
         return;
@@ -229,7 +229,8 @@ std::vector<std::pair<std::string, std::string>> VolumeTechnique::facts() {
     VolumeGi* gi = medium();
     if (!gi) return facts;
     const VolumeStatistics s = gi->statistics();
-    facts.emplace_back("steps", fmt::format("{} of {}", gi->steps(), options_.steps));
+    if (!gi->at_rest())
+        facts.emplace_back("steps", fmt::format("{} of {}", gi->steps(), options_.steps));
     if (s.relative_error && gi->steps() > 1)
         facts.emplace_back("noise", fmt::format("{:.2g} % of the mean", 100 * *s.relative_error));
     if (s.cells > 0)
