@@ -16,6 +16,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <ctime>
+#include <functional>
+#include <set>
 
 using namespace ockham;
 using namespace ockham::chart;
@@ -91,6 +93,18 @@ std::string now() {
     return text;
 }
 
+/// Each measurement loads its volume anew, but what a loader inferred is news once.
+void tell_once() {
+    log::set_sink([told = std::set<std::string, std::less<>>()](
+                      log::Level level, std::string_view text) mutable {
+        if (level <= log::Level::info && !told.emplace(text).second) return;
+        const char* prefix = level == log::Level::warning ? "warning: "
+                             : level == log::Level::error ? "error: "
+                                                          : "";
+        fmt::print(stderr, "{}{}\n", prefix, text);
+    });
+}
+
 int run(int argc, char** argv) {
     ChartOptions o;
     std::vector<std::string> names;
@@ -136,6 +150,7 @@ int run(int argc, char** argv) {
     if (o.quick && !params.given("height")) o.common.height = 144;
     if (o.quick && !params.given("repeats")) o.repeats = 3;
 
+    tell_once();
     Context context(o);
     Manifest manifest{{"command", command_text(argc, argv)},
         {"program", fmt::format("Ockham {}, commit {}", version(), commit())},
