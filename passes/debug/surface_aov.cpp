@@ -16,7 +16,7 @@ SurfaceAov add_surface_aov(Graph& graph, BufferHandle frame, const Gbuffer& gbuf
     PassBuilder pass = graph.add_compute_pass("surface_aov");
     pass.because("depth, normal and material were asked for as pictures");
     read_gbuffer(pass, gbuffer);
-    pass.read("frame", frame);
+    pass.uniform("frame", frame);
     out.surface = pass.write("aov_surface", out.surface);
     out.material = pass.write("aov_material", out.material);
     pass.record([gbuffer, width, height](Commands& commands) {

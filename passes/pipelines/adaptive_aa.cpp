@@ -76,14 +76,14 @@ AdaptiveAa::AdaptiveAa(
     }
     constexpr std::uint64_t kBytes = sizeof(shader::FrameData);
     frame_ = std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = kBytes,
-                                                       .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                                       .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                                        .name = "frame",
                                                        .memory = gpu::MemoryUse::upload});
     set_camera(camera);
     if (keeps_history(params_)) {
         frame_before_ =
             std::make_unique<gpu::Buffer>(device, gpu::BufferInfo{.bytes = kBytes,
-                                                      .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                                      .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                                       .name = "frame_before",
                                                       .memory = gpu::MemoryUse::upload});
         std::memcpy(frame_before_->mapped().data(), frame_->mapped().data(), kBytes);

@@ -22,7 +22,7 @@ LitScene::LitScene(gpu::Device& device, Scene scene)
     const shader::FrameData frame = make_frame(
         scene_, gpu_.bounds(), default_camera(gpu_.bounds()), 1, 1, 1, {0}, kShadowMapSize);
     gpu::Buffer frame_buffer(device, gpu::BufferInfo{.bytes = sizeof(frame),
-                                         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                         .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                          .name = "frame",
                                          .memory = gpu::MemoryUse::upload});
     std::memcpy(frame_buffer.mapped().data(), &frame, sizeof(frame));

@@ -43,16 +43,17 @@ MeshBackground::MeshBackground(
     : device_(device), lit_(lit), params_(checked(params)),
       max_extent_(device.limits().attachment_extent),
       frame_buffer_(device, gpu::BufferInfo{.bytes = sizeof(shader::FrameData),
-                                .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                 .name = "mesh_frame",
                                 .memory = gpu::MemoryUse::upload}) {}
 
-void MeshBackground::show(const Camera& camera, std::uint32_t width, std::uint32_t height) {
+void MeshBackground::show(
+    const Camera& camera, std::uint32_t width, std::uint32_t height, const Bounds& isosurfaces) {
     params_.width = width;
     params_.height = height;
     shown_ = make_frame(lit_.scene(), lit_.gpu().bounds(), camera, static_cast<int>(width),
         static_cast<int>(height), static_cast<int>(params_.m), params_.order,
-        LitScene::kShadowMapSize);
+        LitScene::kShadowMapSize, isosurfaces);
     std::memcpy(frame_buffer_.mapped().data(), &shown_, sizeof(shown_));
 }
 

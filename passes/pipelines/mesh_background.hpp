@@ -15,8 +15,9 @@ public:
     /// for methods whose pictures are no means of samples.
     MeshBackground(gpu::Device& device, const LitScene& scene, const AdaptiveAaParams& params);
 
-    /// What later executions show, and its size in pixels.
-    void show(const Camera& camera, std::uint32_t width, std::uint32_t height);
+    /// What later executions show, and its size in pixels. `isosurfaces`: where they are, if any.
+    void show(const Camera& camera, std::uint32_t width, std::uint32_t height,
+        const Bounds& isosurfaces);
     /// What kernels on volumes need to know of it.
     void describe(shader::VolumeFrame& frame) const;
 

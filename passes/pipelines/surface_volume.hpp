@@ -74,7 +74,7 @@ public:
     VolumeGi* medium() { return medium_.get(); }
     /// Null with a medium.
     AdaptiveAa* surfaces() { return surfaces_.get(); }
-    /// Percent of all samples of meshes that were shaded; nothing without meshes.
+    /// Percent of all samples of the G-buffer that were shaded; nothing without meshes.
     std::optional<double> sample_percent();
 
 private:

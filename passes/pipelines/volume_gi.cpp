@@ -63,6 +63,15 @@ bool has_translucent(const VolumeView& view) {
     return std::ranges::any_of(view.surfaces, [](const auto& s) { return s.opacity < 1; });
 }
 
+Bounds bounds_of(const VolumePlace& place) {
+    Bounds box;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 unit(corner & 1, corner >> 1 & 1, corner >> 2);
+        box.add(glm::vec3(place.corner + place.edges * unit));
+    }
+    return box;
+}
+
 /// Light goes on in other directions than the camera's: surfaces scatter in mode path alone.
 bool scatters(const VolumeView& view, VolumeMode mode) {
     const bool surfaces = mode == VolumeMode::path && !view.surfaces.empty();
@@ -116,10 +125,7 @@ VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunc
                          .memory = gpu::MemoryUse::upload}) {
     if (meshes_ && gpu_.facts().environment_map)
         fail_input("--environment: meshes have one colour behind them; found a map");
-    if (meshes_ && params_.search != SurfaceSearch::exact) {
-        fail_input("--surface-search: among meshes, isosurfaces are met by rays through samples of "
-                   "the G-buffer; use exact");
-    }
+    refuse_search(view);
     show(view, camera);
     if (caching()) cache_size_ = count_cache_cells(device_, gpu_, frame_, cache_params());
     Graph graph = declare();
@@ -127,11 +133,18 @@ VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunc
     bind();
 }
 
+void VolumeGi::refuse_search(const VolumeView& view) const {
+    if (!meshes_ || view.surfaces.empty() || params_.search == SurfaceSearch::exact) return;
+    fail_input("--surface-search: among meshes, isosurfaces are met by rays through samples of the "
+               "G-buffer; use exact");
+}
+
 void VolumeGi::show(const VolumeView& view, const Camera& camera) {
     shader::VolumeFrame frame =
         make_volume_frame(place_, gpu_, camera, params_.width, params_.height, view);
     if (meshes_) {
-        meshes_->show(camera, params_.width, params_.height);
+        meshes_->show(
+            camera, params_.width, params_.height, has_opaque(view) ? bounds_of(place_) : Bounds{});
         meshes_->describe(frame);
     }
     std::memcpy(frame_.mapped().data(), &frame, sizeof(frame));
@@ -152,8 +165,9 @@ CacheParams VolumeGi::cache_params() const {
 }
 
 bool VolumeGi::at_rest() const {
-    return meshes_ && view_.density_scale == 0 && params_.mode != VolumeMode::path &&
-           has_opaque(view_) && !has_translucent(view_);
+    const bool empty = view_.density_scale == 0 || gpu_.max_opacity() == 0;
+    return meshes_ && empty && params_.mode != VolumeMode::path && has_opaque(view_) &&
+           !has_translucent(view_);
 }
 
 Graph VolumeGi::declare() {
@@ -186,7 +200,7 @@ Graph VolumeGi::declare() {
     if (at_rest()) {
         for (const char* pass :
             {"mesh_ends", "mesh_radiance", "cache", "path_trace", "compose", "over_meshes"})
-            graph.omit_pass(pass, "no density, and isosurfaces are all opaque: the samples of the "
+            graph.omit_pass(pass, "no density, and all isosurfaces are opaque: the samples of the "
                                   "G-buffer are all that is seen");
         radiance_ = medium_.meshes.picture;
     } else {
@@ -358,6 +372,7 @@ void VolumeGi::set_camera(const Camera& camera) {
 }
 
 void VolumeGi::set_view(const VolumeView& view) {
+    refuse_search(view);
     shader::VolumeFrame before, after;
     std::memcpy(&before, frame_.mapped().data(), sizeof(before));
     const bool scattered = scatters(view_, params_.mode);
@@ -373,18 +388,18 @@ void VolumeGi::set_view(const VolumeView& view) {
         (caching() && (before.phase_g == 0) != (after.phase_g == 0)) ||
         (meshes_ && (scatters(view_, params_.mode) != scattered || has_opaque(view_) != opaque ||
                         has_translucent(view_) != translucent || at_rest() != rested));
-    const bool other_size =
-        caching() &&
-        (change == CacheChange::medium || (change == CacheChange::surface && !cache_->hold_solid));
+    const bool other_size = cache_ && (change == CacheChange::medium ||
+                                          (change == CacheChange::surface && !cache_->hold_solid));
     if (other_graph || other_size) declare_anew();
 }
 
 void VolumeGi::set_transfer(const TransferFunction& transfer) {
+    const bool rested = at_rest();
     const bool other_facts = gpu_.set_transfer(transfer);
     show(view_, camera_);
     pending_.transfer = pending_.picture = true;
     pending_.cache = CacheChange::medium;
-    if (other_facts || caching())
+    if (other_facts || caching() || at_rest() != rested)
         declare_anew();
     else
         bind();

@@ -147,6 +147,7 @@ private:
     bool caching() const { return params_.mode == VolumeMode::caching && !at_rest(); }
     bool traces() const { return (!caching() || params_.gather) && !at_rest(); }
     CacheParams cache_params() const;
+    void refuse_search(const VolumeView& view) const;
     Graph declare();
     void declare_majorants(Graph& graph);
     void declare_light(Graph& graph);

@@ -30,7 +30,7 @@ ImageHandle add_taa(Graph& graph, const TaaInputs& in) {
 
     PassBuilder view = graph.add_compute_pass("taa_view");
     view.because("--method taa: follows the camera");
-    view.read("frame", in.frame).read("previous_view", views.previous[0]);
+    view.uniform("frame", in.frame).read("previous_view", views.previous[0]);
     views.now = view.write("view", views.now);
     view.record([](Commands& commands) {
         commands.dispatch({.shader = "post/taa_view.comp"}, {1, 1, 1});
@@ -39,7 +39,7 @@ ImageHandle add_taa(Graph& graph, const TaaInputs& in) {
     PassBuilder pass = graph.add_compute_pass("taa");
     pass.because("--method taa: adds this frame's sample to those of the frames before");
     read_gbuffer(pass, in.gbuffer);
-    pass.read("frame", in.frame)
+    pass.uniform("frame", in.frame)
         .sample("radiance", in.radiance)
         .sample("history", pictures.previous[0])
         .read("previous_view", views.previous[0])

@@ -22,7 +22,7 @@ Clusters add_clusters(Graph& graph, BufferHandle frame, const Gbuffer& gbuffer,
     };
     PassBuilder pass = graph.add_compute_pass("clusters");
     pass.because(reason);
-    pass.read("frame", frame);
+    pass.uniform("frame", frame);
     read_gbuffer(pass, gbuffer);
     out.labels = pass.write("clusters", out.labels);
     out.normal_spread = pass.write("normal_spread", out.normal_spread);

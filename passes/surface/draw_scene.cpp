@@ -10,7 +10,7 @@ static_assert(ATTRIBUTE_ABSENT == kNone, "absent attributes are named alike in C
 namespace {
 
 void read_attributes(PassBuilder& pass, const SceneInputs& in) {
-    pass.read("frame", in.frame, Stage::vertex)
+    pass.uniform("frame", in.frame, Stage::vertex)
         .read("vertices", in.handles.vertices, Stage::vertex)
         .read("instances", in.handles.instances, Stage::vertex);
 }

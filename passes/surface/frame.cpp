@@ -42,7 +42,8 @@ glm::mat4 sun_view_projection(const Bounds& bounds, glm::vec3 direction, int siz
 std::vector<std::uint32_t> paper_order(int m) { return sample_order(SampleOrder::paper, m); }
 
 shader::FrameData make_frame(const Scene& scene, const Bounds& bounds, const Camera& camera,
-    int width, int height, int m, const std::vector<std::uint32_t>& order, int shadow_map_size) {
+    int width, int height, int m, const std::vector<std::uint32_t>& order, int shadow_map_size,
+    const Bounds& others) {
     check(m >= 1 && m <= MAX_WINDOW && order.size() == static_cast<std::size_t>(m * m),
         "the order has one entry per sample of the window");
     const float aspect = static_cast<float>(width) / static_cast<float>(height);
@@ -54,7 +55,12 @@ shader::FrameData make_frame(const Scene& scene, const Bounds& bounds, const Cam
 
     // Far enough to hold everything, near enough to touch nothing: reversed floating-point depth
     // resolves 6e-8 of the distance wherever the near plane stands.
-    const float reach = glm::length(bounds.center() - camera.position) + bounds.radius();
+    Bounds seen = bounds;
+    if (!others.empty()) {
+        seen.add(others.low);
+        seen.add(others.high);
+    }
+    const float reach = glm::length(seen.center() - camera.position) + seen.radius();
     const float far_distance = std::max(1.01f * reach, 1e-3f);
     const float near_distance = 1e-6f * far_distance;
 

@@ -31,7 +31,7 @@ void read_masks(PassBuilder& pass, const SceneInputs& in) {
 }
 
 void read_isosurfaces(PassBuilder& pass, const SceneInputs& in, const MediumInputs& medium) {
-    pass.read("frame", in.frame, Stage::fragment)
+    pass.uniform("frame", in.frame, Stage::fragment)
         .uniform("medium_frame", medium.frame, Stage::vertex)
         .uniform("medium_frame", medium.frame, Stage::fragment)
         .sample("volume", medium.handles.volume, Stage::fragment)
@@ -43,7 +43,7 @@ void draw_isosurfaces(Commands& commands, const SceneInputs& in, const GbufferPa
     commands.bind({.vertex_shader = "surface/isosurfaces.vert",
         .fragment_shader = shader_variant("surface/isosurfaces.frag",
             {{"extra", in.scene->facts().extra_target()}, {"slopes", params.slopes}})});
-    commands.set_cull(Commands::Cull::back, true); // its far sides, for the camera may be inside
+    commands.set_cull(Commands::Cull::back);
     commands.draw(36);
 }
 

@@ -24,7 +24,7 @@ Metrics add_metrics(Graph& graph, const MetricsInputs& in, const MetricsParams& 
     PassBuilder pass = graph.add_compute_pass("metrics");
     pass.because("decides how many samples each pixel deserves");
     read_gbuffer(pass, in.gbuffer);
-    pass.read("frame", in.frame).sample("first_sample", in.first_sample);
+    pass.uniform("frame", in.frame).sample("first_sample", in.first_sample);
     out.sample_count = pass.write("sample_count", out.sample_count);
     if (params.winner) out.winner = pass.write("winner", out.winner);
     pass.record([params, gbuffer = in.gbuffer](Commands& commands) {

@@ -26,7 +26,7 @@ ImageHandle add_ockham_metrics(
     desc.format = VK_FORMAT_R32G32_SFLOAT;
     PassBuilder pass = graph.add_compute_pass("metrics");
     pass.because("how much the colours of each pixel are expected to vary");
-    pass.read("frame", in.frame);
+    pass.uniform("frame", in.frame);
     read_gbuffer(pass, in.gbuffer);
     pass.sample("clusters", in.clusters.labels)
         .sample("normal_spread", in.clusters.normal_spread)

@@ -31,7 +31,7 @@ void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage) {
     const SceneFacts& facts = in.scene.scene->facts();
     const bool packed = in.gbuffer.layout == GbufferLayout::packed;
     read_gbuffer(pass, in.gbuffer, stage);
-    pass.read("frame", in.scene.frame, stage).read("lights", in.scene.handles.lights, stage);
+    pass.uniform("frame", in.scene.frame, stage).read("lights", in.scene.handles.lights, stage);
     if (packed) pass.read("materials", in.scene.handles.materials, stage);
     if (facts.color_textures) {
         pass.sample(

@@ -11,7 +11,7 @@ ImageHandle add_sraa(Graph& graph, const SraaInputs& in, const SraaParams& param
     PassBuilder pass = graph.add_compute_pass("sraa");
     pass.because("--method sraa: spreads each shaded sample over its surface");
     read_gbuffer(pass, in.gbuffer);
-    pass.read("frame", in.frame).sample("first_sample", in.first_sample);
+    pass.uniform("frame", in.frame).sample("first_sample", in.first_sample);
     const ImageHandle out = pass.write("reconstructed", graph.create_image("sraa", desc));
     pass.record([desc, params, gbuffer = in.gbuffer](Commands& commands) {
         const shader::SraaPush push{params.radius, params.plane_error, params.normal_power};

@@ -13,7 +13,7 @@ ImageHandle add_surface_means(Graph& graph, const SceneInputs& scene, const Gbuf
     pass.because(params.albedo ? "samples have the mean colour of the surface that they stand for"
                                : "highlights hold the normals of the surface that they stand for");
     read_gbuffer(pass, gbuffer);
-    pass.read("frame", scene.frame)
+    pass.uniform("frame", scene.frame)
         .sample("clusters", clusters.labels)
         .sample("normal_spread", clusters.normal_spread);
     const bool packed = gbuffer.layout == GbufferLayout::packed;

@@ -13,8 +13,8 @@ ImageHandle add_variance_history(Graph& graph, const VarianceHistoryInputs& in, 
     const History<ImageHandle> history = graph.create_history_image("variance_history", desc, 1);
     PassBuilder pass = graph.add_compute_pass("variance_history");
     pass.because("the camera moves: expected variance falls little by little, lest counts flicker");
-    pass.read("frame", in.frame)
-        .read("frame_before", in.frame_before)
+    pass.uniform("frame", in.frame)
+        .uniform("frame_before", in.frame_before)
         .sample("variance", in.variance)
         .sample("first_surface", in.first_surface)
         .sample("history_before", history.previous[0]);

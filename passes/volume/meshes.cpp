@@ -21,7 +21,7 @@ ImageHandle add_mesh_ends(Graph& graph, BufferHandle frame, const Gbuffer& gbuff
         "mesh_ends", {.format = VK_FORMAT_R32_UINT, .width = samples.x, .height = samples.y});
     PassBuilder pass = graph.add_compute_pass("mesh_ends");
     pass.because("meshes end the camera's rays through the medium");
-    pass.read("frame", frame);
+    pass.uniform("frame", frame);
     read_gbuffer(pass, gbuffer, Stage::compute);
     if (labels) pass.sample("clusters", labels);
     const ImageHandle out = pass.write("mesh_ends", image);

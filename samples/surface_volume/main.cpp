@@ -104,7 +104,7 @@ void print_summary(const FrameTimes& times, SurfaceVolume& picture, std::size_t 
     fmt::print("gpu     {:9.2f} ms per step (median of {}), {} steps\n", times.total(),
         times.frames(), steps);
     if (const std::optional<double> percent = picture.sample_percent())
-        fmt::print("samples {:9.2f} % of those of meshes\n", *percent);
+        fmt::print("samples {:9.2f} % of those of surfaces\n", *percent);
     if (picture.medium()) {
         const VolumeStatistics s = picture.medium()->statistics();
         fmt::print("paths   {:9.3g}, {:.3g} lookups of the field\n", static_cast<double>(s.paths),

@@ -137,7 +137,7 @@ std::vector<std::pair<std::string, std::string>> SurfaceVolumeTechnique::facts()
     facts.insert(facts.begin(), {"triangles", fmt::format("{}", lit_->gpu().facts().triangles)});
     if (!picture_) return facts;
     if (const std::optional<double> percent = picture_->sample_percent())
-        facts.emplace_back("samples", fmt::format("{:.1f} % of those of meshes", *percent));
+        facts.emplace_back("samples", fmt::format("{:.1f} % of those of surfaces", *percent));
     return facts;
 }
 

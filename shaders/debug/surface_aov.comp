@@ -10,7 +10,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 #include "surface/surface_sample.glsl"
 layout(binding = 4, rgba32f) uniform writeonly image2D aov_surface;
 layout(binding = 5, r32ui) uniform writeonly uimage2D aov_material;

@@ -10,7 +10,7 @@
 
 layout(local_size_x = 8) in;
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 layout(scalar, binding = 1) readonly buffer PreviousView { TaaView data; } previous_view;
 layout(scalar, binding = 2) writeonly buffer View { TaaView data; } view;
 

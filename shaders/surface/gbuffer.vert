@@ -7,7 +7,7 @@
 #include "shared/frame.h"
 #include "surface/vertex.glsl"
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 
 layout(location = 0) out vec3 out_normal;
 layout(location = 1) out vec4 out_tangent;

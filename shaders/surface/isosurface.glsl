@@ -4,9 +4,8 @@
 
 #ifdef MEDIUM
 #include "include/iso_bsdf.glsl"
-#include "surface/gbuffer.h"
 
-bool is_isosurface(uint material) { return kIsoSamples && material >= ISO_MATERIAL; }
+bool is_isosurface(uint material) { return kIsoSamples && is_iso_material(material); }
 IsoMaterial isosurface_material(uint material) {
     return medium_frame.data.surfaces[min(material - ISO_MATERIAL, MAX_SURFACES - 1u)].material;
 }

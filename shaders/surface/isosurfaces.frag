@@ -8,9 +8,8 @@
 #extension GL_EXT_scalar_block_layout : require
 
 #include "shared/frame.h"
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 #include "surface/camera.glsl"
-#include "surface/gbuffer.h"
 #include "surface/packing.glsl"
 #define SURFACES
 #define MEDIUM_BINDING 10
@@ -31,6 +30,7 @@ layout(location = OUT_SLOPES) out uint out_slopes;
 
 const float kGrazing = 1e-4; // least cosine that a slope is computed for
 
+/// The first one from the camera on. The budget bounds a search: every cell of the diagonal once.
 bool first_opaque(vec3 origin, vec3 direction, out SurfaceHit hit) {
     float near, far;
     vec3 entry_normal;

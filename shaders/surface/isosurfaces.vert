@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two triangles for each side of the box that the medium is cropped to, wound outwards.
+// Two triangles for each side of the box that the medium is cropped to, wound inwards: those that face
+// the camera are its far sides, which are there from inside as well.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -7,14 +8,14 @@
 #include "shared/frame.h"
 #include "shared/volume.h"
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 layout(scalar, binding = 10) uniform MediumFrame { VolumeFrame data; } medium_frame;
 
 void main() {
     const int kCorners[6] = int[](0, 1, 2, 0, 2, 3);
     int axis = gl_VertexIndex / 12, side = (gl_VertexIndex / 6) & 1, i = gl_VertexIndex % 6;
     mat3 edges = medium_frame.data.world_from_unit;
-    bool turned = (side == 0) != (determinant(edges) < 0.0);
+    bool turned = (side == 0) == (determinant(edges) < 0.0);
     int corner = kCorners[turned ? 5 - i : i];
     vec3 unit;
     unit[axis] = float(side);

@@ -22,7 +22,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 #define SLOPES
 #include "surface/surface_sample.glsl"
 layout(binding = 4) uniform usampler2D clusters;

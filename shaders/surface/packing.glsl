@@ -9,6 +9,7 @@
 // second pair of coordinates.
 
 #include "include/octahedral.glsl"
+#include "surface/gbuffer.h"
 #include "surface/material.glsl"
 
 /// Sign and magnitude on a scale of four steps an octave, 2^-26 to 2^5.5; smaller is zero.
@@ -52,6 +53,9 @@ uvec4 pack_surface(vec3 normal, uint material, TextureCoordinates c) {
 uint unpack_material(uvec4 packed_words) {
     return packed_words.z >> 20 | (packed_words.w >> 20) << 12;
 }
+
+/// It shows an isosurface, not a mesh.
+bool is_iso_material(uint material) { return material >= ISO_MATERIAL; }
 
 /// Linear colour factors above 1 are clamped.
 uint pack_color(vec3 color) {

@@ -14,7 +14,7 @@ layout(constant_id = SPEC_DIRECTIONAL_LIGHTS) const bool kDirectionalLights = tr
 layout(constant_id = SPEC_POINT_LIGHTS) const bool kPointLights = true;
 layout(constant_id = SPEC_SPOT_LIGHTS) const bool kSpotLights = true;
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 #include "surface/surface_sample.glsl"
 #ifndef VISIBILITY
 layout(scalar, binding = 4) readonly buffer Materials { MaterialData items[]; } materials;

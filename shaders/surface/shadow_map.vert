@@ -8,7 +8,7 @@
 #include "shared/frame.h"
 #include "surface/vertex.glsl"
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 
 layout(location = 0) out vec2 out_uv0;
 layout(location = 1) out vec2 out_uv1;

@@ -13,7 +13,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 #include "surface/surface_sample.glsl"
 layout(binding = 4) uniform sampler2D first_sample;
 layout(binding = 5, rgba32f) uniform writeonly image2D reconstructed;

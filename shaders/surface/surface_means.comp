@@ -13,14 +13,13 @@
 #include "include/footprint.glsl"
 #include "shared/frame.h"
 #include "surface/clusters.glsl"
-#include "surface/gbuffer.h"
 #include "surface/material.glsl"
 #include "surface/shade.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = SPEC_DEMODULATE) const bool kDemodulate = false;
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 #include "surface/surface_sample.glsl"
 #ifndef VISIBILITY
 layout(scalar, binding = 4) readonly buffer Materials { MaterialData items[]; } materials;
@@ -37,7 +36,7 @@ const float kRough = 0.1; // deviation of slopes: 6 degrees
 
 vec3 fetch_albedo(ivec2 position) {
     SurfaceSample s = fetch_surface(position);
-    MaterialData material = materials.items[s.material < ISO_MATERIAL ? s.material : 0u];
+    MaterialData material = materials.items[is_iso_material(s.material) ? 0u : s.material];
     vec3 color = material.base_color.rgb * s.color;
 #ifdef COLOR_TEXTURES
     TextureRef image = material.base_color_texture;

@@ -14,8 +14,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
-layout(scalar, binding = 1) readonly buffer FrameBefore { FrameData data; } frame_before;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
+layout(scalar, binding = 1) uniform FrameBefore { FrameData data; } frame_before;
 layout(binding = 2) uniform sampler2D variance;
 layout(binding = 3) uniform usampler2D first_surface;
 layout(binding = 4) uniform sampler2D history_before;

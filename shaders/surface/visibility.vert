@@ -9,7 +9,7 @@
 #include "shared/frame.h"
 #include "surface/vertex.glsl"
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 layout(scalar, binding = 22) readonly buffer Indices { uint items[]; } indices;
 
 layout(location = 0) flat out uint out_triangle;

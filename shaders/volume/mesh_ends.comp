@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // reads the depth of the G-buffer (LABELS: and the surfaces of each window); writes, for each of its
-// samples, how far along the camera's ray a mesh is met, and which surface of its window that is:
+// samples, how far along the camera's ray a mesh or an opaque isosurface is met, and which surface of its window that is:
 //   distance = view depth * length(forward + across)      (orthographic: view depth)
 // in world units, kInfinity where none is met; its bits, the last two of them the label.
 #version 460
@@ -9,7 +9,7 @@
 
 #include "shared/frame.h"
 
-layout(scalar, binding = 0) readonly buffer Frame { FrameData data; } frame;
+layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 #include "surface/surface_sample.glsl"
 #ifdef LABELS
 #include "surface/clusters.glsl"

@@ -3,10 +3,11 @@
 // G-buffer, one after the other in their order, and is by how much the medium changes that of the
 // meshes alone:
 //   L - L_mesh = L_medium - (1 - T) L_mesh
-//   reads mesh_ends, mesh_radiance (not CELLS): where camera rays meet meshes, and what they see there
+//   reads mesh_ends, mesh_radiance (not CELLS): where camera rays meet meshes or opaque isosurfaces,
+//   which are samples of the same G-buffer, and what they see there
 //   reads sun_map: how far the sun reaches
 // Here they end camera rays and stop the sun; what has been scattered meets them in volume/mesh_tree.glsl.
-// Include after volume/medium.glsl.
+// Include after volume/medium.glsl and, with SURFACES, volume/surface.glsl.
 #ifndef OCKHAM_VOLUME_MESHES_GLSL
 #define OCKHAM_VOLUME_MESHES_GLSL
 
@@ -56,11 +57,7 @@ vec3 mesh_ray_radiance(ivec2 pixel, uint index) {
 /// Share of the sun that meshes let through to a point.
 float sun_reaches(vec3 world) {
     if (!kSunMap) return 1.0;
-    vec3 p = (constants.sun_projection * vec4(world, 1.0)).xyz;
-    // The map holds all meshes: beside it none stands in the way, behind it all do.
-    bool beside = any(greaterThan(abs(p.xy), vec2(1.0)));
-    float share = sun_map_share(sun_map, vec3(p.xy, max(p.z, 0.0)));
-    return beside ? 1.0 : share;
+    return sun_map_share(sun_map, (constants.sun_projection * vec4(world, 1.0)).xyz);
 }
 
 /// Where to ask that of a point on a surface, which stands in its own way in the texels that it

@@ -8,7 +8,8 @@
 //               scattering, surfaces are black
 //   GATHER      as NONCACHING, but in-scattering at the second collision is read from the cache
 //   CELLS       mean radiance that arrives at a point; surfaces are black
-// With MESHES, camera rays end on meshes and background, with 0: these have a picture of their own. All
+// With MESHES, camera rays end on meshes, background and (not PATH) opaque isosurfaces, with 0: these
+// have a picture of their own. All
 // other flights meet the triangles of volume/mesh_tree.glsl (SPEC_MESH_TREE), which scatter evenly.
 // advance() is one iteration of one flat loop over the stages of all samples:
 //   Path path = begin_camera_path(...);  Tracker tracker = resume(path);
@@ -38,6 +39,9 @@
 
 layout(constant_id = SPEC_MESH_TREE) const bool kMeshTree = true; // else other buffers stand in for it
 const uint kLongPath = 1024u; // scatterings from which on meshes end paths by chance
+#ifndef CELLS
+uint hidden_ends = 0u; // camera rays of this invocation that were stopped before they met a sample
+#endif
 #endif
 
 const float kRouletteThroughput = 0.25; // paths below it live on by chance
@@ -204,7 +208,12 @@ void play_roulette(inout Path path, float xi) {
 /// A real collision at `position`; `xi`: uniform in (0, 1).
 void meet_medium(inout Path path, vec3 position, Medium medium, float xi) {
 #ifndef CELLS
-    if (path.bounces == 0u) path.throughput *= constants.volume_gain;
+    if (path.bounces == 0u) {
+        path.throughput *= constants.volume_gain;
+#ifdef MESHES
+        ++hidden_ends;
+#endif
+    }
 #endif
 #ifdef EMISSION
     path.radiance += path.throughput * (1.0 - medium.albedo) * medium.emitted;
@@ -234,6 +243,9 @@ void meet_surface(inout Path path, SurfaceHit hit, float xi) {
     vec3 view = -path.direction;
     vec3 normal = facing_normal(hit, view);
     vec3 position = off_surface(path.origin + path.t * path.direction, normal, normal);
+#if defined(MESHES) && !defined(CELLS)
+    if (path.bounces == 0u && !is_ray_end(hit)) ++hidden_ends;
+#endif
 #ifdef PATH
     if (path.bounces == 0u) path.throughput *= constants.surface_gain;
     ++path.bounces;

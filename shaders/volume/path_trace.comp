@@ -2,7 +2,8 @@
 // reads the medium, the light and unfinished paths; adds each pixel's new samples to its sum, in
 // order, and stores the path that the budget of iterations leaves unfinished.
 //   sum += (radiance, 1 where the camera's ray met anything);  square += luminance^2
-// MESHES: less what is seen of them there: volume/meshes.glsl.
+// MESHES: less what is seen of them there, volume/meshes.glsl, and 1 where that was hidden; isosurfaces
+// that scatter at the end of a ray hide nothing.
 // One of PATH, NONCACHING and GATHER says what a sample is: shaders/volume/path.glsl.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -57,6 +58,7 @@ void main() {
             vec4 value = vec4(radiance, path.bounces > 0u ? 1.0 : 0.0);
 #ifdef MESHES // what the medium has stopped is missing from their picture
             value.rgb -= value.a * mesh_ray_radiance(ivec2(pixel), path.random.z);
+            value.a = 0.0;
 #endif
             float light = luminance(value.rgb);
             total += value;
@@ -66,6 +68,9 @@ void main() {
         }
     }
 
+#ifdef MESHES
+    total.a += float(hidden_ends);
+#endif
     suspend(path, tracker);
     bool unfinished = path.stage != PATH_ENDED;
     if (unfinished) paths.pixels[slot] = path;

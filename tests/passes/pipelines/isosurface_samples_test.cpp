@@ -191,6 +191,32 @@ TEST_F(IsosurfaceSamples, ItLooksAsWithoutMeshes) {
     }
 }
 
+TEST_F(IsosurfaceSamples, TheSunAndTheCameraReachBeyondAllMeshes) {
+    // A card before the ball is all that shadow map and depth would have to hold without it.
+    Scene scene;
+    scene.materials = {unlit_material()};
+    add(scene, rectangle({-0.05f, -0.05f, 0.6f}, {0.1f, 0, 0}, {0, 0.1f, 0}));
+    scene.lights = {{.name = "sun",
+        .type = LightType::directional,
+        .direction = glm::normalize(glm::vec3(0.3f, 0.0f, -1.0f)),
+        .intensity = glm::vec3(3.0f),
+        .casts_shadow = true}};
+    VolumeView view = lit_by(scene, absorbing(0), glm::vec3(0.0f));
+    view.surfaces = {{.value = 127.5}};
+    const auto row = [&](bool shadow) {
+        scene.lights[0].casts_shadow = shadow;
+        const Image picture = render(scene, ball(), everywhere(), view, along_z(0.8f),
+            params(64, VolumeMode::noncaching, 1), 1);
+        const std::span<const float> red = picture.plane(0);
+        return std::vector<float>(red.begin() + 64 * 32, red.begin() + 64 * 33);
+    };
+    const std::vector<float> with = row(true), without = row(false);
+    EXPECT_EQ(with[41], 0.0f); // the card's shadow, at x = 0.113
+    EXPECT_GT(without[41], 0.3f);
+    EXPECT_EQ(with[23], without[23]);
+    EXPECT_GT(with[23], 0.3f);
+}
+
 TEST_F(IsosurfaceSamples, CountsAntialiasTheirSilhouettesInOneStep) {
     Scene scene = hardly_any();
     scene.background = glm::vec3(0.8f);
@@ -236,6 +262,25 @@ TEST_F(IsosurfaceSamples, CountsAntialiasTheirSilhouettesInOneStep) {
     EXPECT_LT(psnr(after(aliased, 1), all.picture()), 32.0);
 }
 
+TEST_F(IsosurfaceSamples, PathsChangeTheSmoothPictureByTheirLightAlone) {
+    // A convex body in even light: every path brings what its surface is shaded with.
+    Scene scene = hardly_any();
+    scene.background = glm::vec3(0.2f);
+    VolumeView view = absorbing(0);
+    view.environment = glm::vec3(1.0f);
+    view.surfaces = {{.value = 127.5}};
+    const auto one_step = [&](VolumeMode mode, AaMethod method) {
+        SurfaceVolumeParams p = params(48, mode);
+        p.surfaces.method = method;
+        return render(scene, ball(), everywhere(), view, along_z(0.8f), p, 1);
+    };
+    const Image all = one_step(VolumeMode::noncaching, AaMethod::ssaa);
+    const double smooth = psnr(one_step(VolumeMode::noncaching, AaMethod::adaptive), all);
+    const double traced = psnr(one_step(VolumeMode::path, AaMethod::adaptive), all);
+    EXPECT_GT(smooth, 100.0);
+    EXPECT_GT(traced, 50.0); // of windows with more than four labels a ray may see a neighbour
+}
+
 TEST_F(IsosurfaceSamples, StepsAreInThePlanOnlyWhereTheyHaveSomethingToAdd) {
     const LitScene lit(device(), hardly_any());
     const Volume field = ball();
@@ -255,6 +300,11 @@ TEST_F(IsosurfaceSamples, StepsAreInThePlanOnlyWhereTheyHaveSomethingToAdd) {
         const Image fog = after(picture, 2);
         EXPECT_TRUE(runs(picture, "over_meshes")) << name_of(mode);
         EXPECT_FALSE(equal(fog, still));
+        TransferFunction clear{{{.value = 0, .opacity = 0}, {.value = 255, .opacity = 0}}};
+        picture.medium()->set_transfer(clear);
+        EXPECT_EQ(runs(picture, "over_meshes"), mode == VolumeMode::path) << name_of(mode);
+        picture.medium()->set_transfer(everywhere());
+        EXPECT_TRUE(runs(picture, "over_meshes")) << name_of(mode);
         picture.medium()->set_view(view);
         if (mode == VolumeMode::path) continue;
         EXPECT_TRUE(equal(after(picture, 1), still)) << name_of(mode);

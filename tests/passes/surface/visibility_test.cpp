@@ -35,7 +35,7 @@ protected:
             bench.graph.create_buffer("probes", {samples * sizeof(shader::SurfaceProbe)});
         PassBuilder pass = bench.graph.add_compute_pass("probe");
         read_gbuffer(pass, gbuffer);
-        pass.read("frame", bench.inputs.frame);
+        pass.uniform("frame", bench.inputs.frame);
         probes = pass.write("probes", probes);
         pass.record([=](Commands& commands) {
             const bool packed = layout == GbufferLayout::packed;
