@@ -6,8 +6,10 @@
 
 #if defined(__SANITIZE_ADDRESS__)
 namespace {
-/// Keeps the driver in memory, so that a report of leaks can tell its frames from ours.
+/// Keeps driver and layer in memory, so that a report of leaks can tell their frames from ours.
 [[maybe_unused]] void* const driver = dlopen("libvulkan_lvp.so", RTLD_LAZY | RTLD_NODELETE);
+[[maybe_unused]] void* const layer =
+    dlopen("libVkLayer_khronos_validation.so", RTLD_LAZY | RTLD_NODELETE);
 } // namespace
 
 /// Loader, layer and driver keep what is theirs. Of ours, a frame of this program would be seen.

@@ -417,17 +417,17 @@ TEST_F(MisuseTest, Draws) {
 
 TEST_F(MisuseTest, Copies) {
     const auto copy = [](const std::function<void(Commands&, Graph&)>& record) {
-        auto graph = std::make_shared<Graph>("copies");
+        Graph graph("copies");
         const ImageDesc desc{.format = VK_FORMAT_R32_SFLOAT, .width = 8, .height = 8};
         const ImageDesc other{.format = VK_FORMAT_R32_SFLOAT, .width = 8, .height = 4};
-        PassBuilder pass = graph->add_transfer_pass("bad");
-        pass.copy_from(graph->create_persistent_buffer("from", {256}));
-        (void)pass.copy_to(graph->create_buffer("to", {128}));
-        pass.copy_from(graph->create_persistent_image("picture", desc));
-        (void)pass.copy_to(graph->create_image("other", other));
+        PassBuilder pass = graph.add_transfer_pass("bad");
+        pass.copy_from(graph.create_persistent_buffer("from", {256}));
+        (void)pass.copy_to(graph.create_buffer("to", {128}));
+        pass.copy_from(graph.create_persistent_image("picture", desc));
+        (void)pass.copy_to(graph.create_image("other", other));
         pass.side_effect("is tested");
-        pass.record([=](Commands& commands) { record(commands, *graph); });
-        Executor executor(device(), *graph);
+        pass.record([&](Commands& commands) { record(commands, graph); });
+        Executor executor(device(), graph);
         return error_of([&] { executor.execute(); });
     };
     expect_contains(copy([](Commands& commands, Graph& graph) {
