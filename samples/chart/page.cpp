@@ -64,8 +64,9 @@ bool holds_numbers(const Table& table, std::size_t column) {
 }
 
 std::string html(const Table& table) {
-    std::string text =
-        fmt::format("<h3>{}</h3>\n<div class=\"scroll\"><table>\n<thead><tr>", escape(table.title));
+    constexpr std::size_t kMany = 13; // columns that stand closer, to fit 1280 pixels
+    std::string text = fmt::format("<h3>{}</h3>\n<div class=\"scroll\"><table{}>\n<thead><tr>",
+        escape(table.title), table.columns.size() > kMany ? " class=\"many\"" : "");
     const auto cells = [&](const std::vector<std::string>& row, const char* tag) {
         for (std::size_t c = 0; c < row.size(); ++c) {
             text += fmt::format("<{0}{1}>{2}</{0}>", tag,

@@ -123,6 +123,13 @@ private:
         y_low_ = std::min(y_low_, y), y_high_ = std::max(y_high_, y);
     }
 
+    /// A text to the right of `x` would leave the picture.
+    bool ends_at(double x) const {
+        const bool logarithmic = plot_.x.logarithmic && x_low_ > 0;
+        const auto place = [&](double v) { return logarithmic ? std::log(v) : v; };
+        return place(x) > place(x_low_) + 0.85 * (place(x_high_) - place(x_low_));
+    }
+
     /// A block of data, x, y and their reach, and a part of the plot command that draws it.
     void add(
         const std::vector<PlotPoint>& points, const std::string& how, const std::string& title) {
@@ -160,9 +167,10 @@ private:
         const std::string label = literal(mark.label);
         if (mark.x && mark.y) {
             reach(*mark.x, *mark.y);
-            marks_ += fmt::format("set label {} at first {:.9g}, first {:.9g} point pt 3 ps 1.5 "
-                                  "lw 2 lc '#000000' offset 0.8,-0.6 front tc '#000000'\n",
-                label, *mark.x, *mark.y);
+            const char* side = ends_at(*mark.x) ? "right offset -0.8,-0.6" : "left offset 0.8,-0.6";
+            marks_ += fmt::format("set label {} at first {:.9g}, first {:.9g} {} point pt 3 ps 1.5 "
+                                  "lw 2 lc '#000000' front tc '#000000'\n",
+                label, *mark.x, *mark.y, side);
         } else if (mark.x) {
             x_low_ = std::min(x_low_, *mark.x), x_high_ = std::max(x_high_, *mark.x);
             marks_ += fmt::format("set arrow from first {0:.9g}, graph 0 to first {0:.9g}, graph 1 "
