@@ -112,6 +112,7 @@ private:
 PaperAa::PaperAa(Context& context, JobList& list)
     : context_(context),
       scene_(context.options.scenes.empty() ? "builtin:atrium" : context.options.scenes.front()),
+      rig_(scene_.starts_with("builtin:") ? "" : context.options.rig),
       width_(static_cast<std::uint32_t>(context.options.common.width)),
       height_(static_cast<std::uint32_t>(context.options.common.height)) {
     const auto add = [&](Job job, JobList::Open open) {
@@ -137,17 +138,18 @@ Job PaperAa::job(const std::string& series, const std::string& flags, int repeat
         .scene = scene_,
         .series = series,
         .setting = {},
-        .inputs = fmt::format("{} {} {} x {} {}", fingerprint_of(scene_), flags, width_, height_,
+        .inputs = fmt::format("{} {} {} {} x {} {}", fingerprint_of(scene_),
+            rig_.empty() ? "" : fingerprint_of(rig_), flags, width_, height_,
             context_.device_text()),
-        .command =
-            fmt::format("adaptive_aa {} {} --width {} --height {}", scene_, flags, width_, height_),
+        .command = fmt::format("adaptive_aa {}{} {} --width {} --height {}", scene_,
+            rig_.empty() ? "" : " --rig " + rig_, flags, width_, height_),
         .repeats = repeats};
 }
 
 const LitScene& PaperAa::lit() {
     if (!lit_) {
         lit_ = std::make_unique<LitScene>(
-            context_.device(), load_scenes({.scenes = {scene_}, .rig = {}, .environment = {}},
+            context_.device(), load_scenes({.scenes = {scene_}, .rig = rig_, .environment = {}},
                                    context_.options.common));
         camera_ = choose_camera(context_.options.common, lit_->scene(), lit_->gpu().bounds());
     }

@@ -37,7 +37,7 @@ private:
         const std::string& caption) const;
 
     Context& context_;
-    std::string scene_;
+    std::string scene_, rig_; ///< rig_: of scenes that are files; empty: none
     std::uint32_t width_, height_;
     std::unique_ptr<LitScene> lit_; ///< when it is first needed
     Camera camera_;

@@ -10,6 +10,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 namespace ockham::chart {
@@ -89,6 +91,22 @@ TEST_F(ChartVolumeTest, JobsAreToldApartAndListedAlikeEachTime) {
         Store store(context.options.out);
         EXPECT_FALSE(make(context)->report(store, {}).plots.empty());
     }
+}
+
+TEST_F(ChartVolumeTest, ScenesOfThePapersHaveTheirRig) {
+    ChartOptions with = options("chart_rig");
+    std::filesystem::create_directories(with.out);
+    for (const char* name : {"a.gltf", "rig.json", "other.json"})
+        std::ofstream(with.out / name) << name;
+    with.scenes = {(with.out / "a.gltf").string()};
+    const auto first_job = [&](const char* rig) {
+        with.rig = *rig ? (with.out / rig).string() : "";
+        Context context(with);
+        return make_papers_suite(context)->jobs().front();
+    };
+    EXPECT_NE(first_job("rig.json").command.find("--rig"), std::string::npos);
+    EXPECT_NE(first_job("rig.json").key(), first_job("other.json").key());
+    EXPECT_NE(first_job("rig.json").key(), first_job("").key());
 }
 
 /// Errors fall over the rows of a run, and a reference says truly how far it is from the mean of a
