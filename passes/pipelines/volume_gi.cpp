@@ -376,7 +376,6 @@ void VolumeGi::set_view(const VolumeView& view) {
     shader::VolumeFrame before, after;
     std::memcpy(&before, frame_.mapped().data(), sizeof(before));
     const bool scattered = scatters(view_, params_.mode);
-    const bool opaque = has_opaque(view_), translucent = has_translucent(view_);
     const bool rested = at_rest();
     show(view, camera_);
     std::memcpy(&after, frame_.mapped().data(), sizeof(after));
@@ -386,8 +385,9 @@ void VolumeGi::set_view(const VolumeView& view) {
     const bool other_graph =
         (before.surface_count == 0) != (after.surface_count == 0) ||
         (caching() && (before.phase_g == 0) != (after.phase_g == 0)) ||
-        (meshes_ && (scatters(view_, params_.mode) != scattered || has_opaque(view_) != opaque ||
-                        has_translucent(view_) != translucent || at_rest() != rested));
+        (meshes_ &&
+            (scatters(view_, params_.mode) != scattered || has_opaque(view_) != medium_.opaque ||
+                has_translucent(view_) != medium_.translucent || at_rest() != rested));
     const bool other_size = cache_ && (change == CacheChange::medium ||
                                           (change == CacheChange::surface && !cache_->hold_solid));
     if (other_graph || other_size) declare_anew();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // reads the depth of the G-buffer (LABELS: and the surfaces of each window); writes, for each of its
-// samples, how far along the camera's ray a mesh or an opaque isosurface is met, and which surface of its window that is:
+// samples, how far along the camera's ray a mesh or an opaque isosurface is met, and which surface of
+// its window that is:
 //   distance = view depth * length(forward + across)      (orthographic: view depth)
 // in world units, kInfinity where none is met; its bits, the last two of them the label.
 #version 460

@@ -9,8 +9,8 @@
 //   GATHER      as NONCACHING, but in-scattering at the second collision is read from the cache
 //   CELLS       mean radiance that arrives at a point; surfaces are black
 // With MESHES, camera rays end on meshes, background and (not PATH) opaque isosurfaces, with 0: these
-// have a picture of their own. All
-// other flights meet the triangles of volume/mesh_tree.glsl (SPEC_MESH_TREE), which scatter evenly.
+// have a picture of their own. All other flights meet the triangles of volume/mesh_tree.glsl
+// (SPEC_MESH_TREE), which scatter evenly.
 // advance() is one iteration of one flat loop over the stages of all samples:
 //   Path path = begin_camera_path(...);  Tracker tracker = resume(path);
 //   while (path.stage != PATH_ENDED && budget > 0u) advance(path, tracker, budget);

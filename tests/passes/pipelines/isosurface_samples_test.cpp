@@ -5,6 +5,7 @@
 #include "framework/graph/explain/explain.hpp"
 #include "framework/image_error/image_error.hpp"
 #include "passes/pipelines/surface_volume.hpp"
+#include "tests/support/equal_pictures.hpp"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/surface_scenes.hpp"
 #include "tests/support/z_test.hpp"
@@ -83,11 +84,6 @@ SurfaceVolumeParams params(std::uint32_t size, VolumeMode mode, std::uint32_t m 
     return p;
 }
 
-bool equal(const Image& a, const Image& b) {
-    bool same = a.pixels() == b.pixels();
-    for (int c = 0; same && c < 4; ++c) same = std::ranges::equal(a.plane(c), b.plane(c));
-    return same;
-}
 double psnr(const Image& a, const Image& b) { return image_error(a, b).psnr; }
 
 /// In the plan, and not culled.

@@ -4,6 +4,7 @@
 #include "framework/graph/explain/explain.hpp"
 #include "passes/pipelines/surface_volume.hpp"
 #include "passes/volume/frame.hpp"
+#include "tests/support/equal_pictures.hpp"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/surface_scenes.hpp"
 #include "tests/support/z_test.hpp"
@@ -77,12 +78,6 @@ SurfaceVolumeParams params(std::uint32_t width, std::uint32_t height,
     p.medium.gather = false;
     p.medium.sobol = false;
     return p;
-}
-
-bool equal(const Image& a, const Image& b) {
-    bool same = a.pixels() == b.pixels();
-    for (int c = 0; same && c < 4; ++c) same = std::ranges::equal(a.plane(c), b.plane(c));
-    return same;
 }
 
 bool runs(SurfaceVolume& picture, std::string_view pass) {

@@ -4,6 +4,7 @@
 #include "framework/graph/explain/explain.hpp"
 #include "passes/pipelines/volume_gi.hpp"
 #include "tests/support/ball.hpp"
+#include "tests/support/equal_pictures.hpp"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/shuffle.hpp"
 
@@ -41,12 +42,6 @@ VolumeGiParams params(VolumeMode mode, bool gather = true) {
     p.mode = mode;
     p.gather = gather;
     return p;
-}
-
-bool equal(const Image& a, const Image& b) {
-    for (int c = 0; c < 4; ++c)
-        if (!std::ranges::equal(a.plane(c), b.plane(c))) return false;
-    return a.pixels() == b.pixels();
 }
 
 class VolumeGiTest : public GpuTest {
