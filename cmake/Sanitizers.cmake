@@ -7,8 +7,8 @@ if(OCKHAM_SANITIZE)
     -fno-sanitize-recover=undefined)
   add_link_options(-fsanitize=${_sanitizers})
 endif()
-# ockham_sanitized(<target>) : for a program that uses the driver, or a library whose users do: tells
-# the sanitizer what of its findings is the driver's.
+# ockham_sanitized(<target>) : for a program that uses the driver or OpenVDB, or a library whose users
+# do: tells the sanitizer what of its findings is theirs.
 function(ockham_sanitized target)
   if(NOT OCKHAM_SANITIZE)
     return()

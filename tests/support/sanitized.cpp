@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What sanitizers need to know of the Vulkan driver and its layers, which are not instrumented.
+// What sanitizers need to know of libraries that are not instrumented: the Vulkan driver, its
+// layers, and TBB.
 // Linked into tests and programs that are built with one (cmake/Sanitizers.cmake), into nothing
 // else.
 #include <dlfcn.h>
@@ -18,9 +19,12 @@ extern "C" const char* __lsan_default_suppressions() {
 }
 #elif defined(__SANITIZE_THREAD__)
 /// The validation layer watches queues on a thread of its own, and lavapipe's threads leave fences
-/// while others destroy them; how they agree on that is not seen here.
+/// while others destroy them; OpenVDB hands its work to the threads of TBB, which nothing else
+/// uses. How they agree on that is not seen.
 extern "C" const char* __tsan_default_suppressions() {
     return "race:libVkLayer_khronos_validation\ndeadlock:libVkLayer_khronos_validation\n"
-           "race:libvulkan_lvp\n";
+           "race:libvulkan_lvp\nrace:tbb::detail\n";
 }
+/// OpenVDB starts threads in a process that was forked to read one file.
+extern "C" const char* __tsan_default_options() { return "die_after_fork=0"; }
 #endif
