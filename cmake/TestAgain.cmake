@@ -44,6 +44,22 @@ set(OCKHAM_NOT_ON_SWIFTSHADER
   # An access out of bounds ends the process before the layer reads what was found.
   GpuAssistedTest.AccessBeyondABufferIsReported)
 
+# Tests that take SwiftShader 22 to 62 s each, a third of all that it does: at night. Others of their
+# programs run the same kernels on it in the default set.
+set(OCKHAM_SWIFTSHADER_AT_NIGHT
+  VolumeGiProgram.equal_seeds_give_equal_pictures_in_every_mode
+  VolumeGiProgram.isovalues_move_from_picture_to_picture
+  VolumeGiProgram.resumed_runs_equal_unbroken_ones
+  VolumeGiTest.EveryChangeOfTheViewEqualsAFreshPicture
+  PathTraceTest.WhiteSurfacesInWhiteMediumAreAFurnace
+  PathTraceTest.SlabsReflectAndTransmitAsTheTablesOfAddingAndDoubling
+  PathTraceTest.SunlitHalfSpacesHaveChandrasekharsRadiance
+  PathTraceTest.HalfSpacesReflectAsTheHFunctionSays
+  OckhamMetricsTest.PlanesTakeOneSampleAtAnyAngleDistanceAndScale
+  SurfaceVolumeTest.AMeshBehindOrInsideASlabIsDimmedExactly
+  BucketsTest.SmallMapsAreSortedStablyByCountTileAndRow
+  CoarsenTest.BlocksTakeTheirLargestCountAndCountsTheNextPower)
+
 # Tests of surfaces that together run most of their kernels at a small size.
 set(OCKHAM_GPU_ASSISTED
   GpuAssistedTest.* BucketsTest.* GbufferTest.* MetricsTest.* ResolveTest.* SurfaceAovTest.*
@@ -86,9 +102,12 @@ endfunction()
 
 function(ockham_test_again target)
   if(OCKHAM_SWIFTSHADER_ICD)
+    list(JOIN OCKHAM_SWIFTSHADER_AT_NIGHT ":" night)
     list(JOIN OCKHAM_NOT_ON_SWIFTSHADER ":" without)
     ockham_discover_tests(${target} ${target}_swiftshader "gpu;swiftshader"
-      "${OCKHAM_ON_SWIFTSHADER}" TEST_PREFIX SwiftShader. TEST_FILTER "-${without}")
+      "${OCKHAM_ON_SWIFTSHADER}" TEST_PREFIX SwiftShader. TEST_FILTER "-${without}:${night}")
+    ockham_discover_tests(${target} ${target}_swiftshader_night "gpu;swiftshader;nightly"
+      "${OCKHAM_ON_SWIFTSHADER}" TEST_PREFIX SwiftShader. TEST_FILTER "${night}")
   endif()
   list(JOIN OCKHAM_GPU_ASSISTED ":" only)
   ockham_discover_tests(${target} ${target}_gpu_assisted "gpu;gpu_assisted"
