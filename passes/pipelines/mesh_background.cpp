@@ -48,12 +48,21 @@ MeshBackground::MeshBackground(
                                 .memory = gpu::MemoryUse::upload}) {}
 
 void MeshBackground::show(
-    const Camera& camera, std::uint32_t width, std::uint32_t height, const Bounds& isosurfaces) {
-    params_.width = width;
-    params_.height = height;
-    shown_ = make_frame(lit_.scene(), lit_.gpu().bounds(), camera, static_cast<int>(width),
-        static_cast<int>(height), static_cast<int>(params_.m), params_.order,
-        LitScene::kShadowMapSize, isosurfaces);
+    const Camera& camera, glm::uvec2 size, glm::uvec2 origin, const Bounds& isosurfaces) {
+    params_.width = size.x;
+    params_.height = size.y;
+    const glm::ivec2 picture(params_.part_of.x > 0 ? params_.part_of : size);
+    const glm::uvec2 samples = params_.m * glm::uvec2(picture);
+    if (params_.part_of.x > 0 && std::max(samples.x, samples.y) > max_extent_)
+        fail_input(
+            "part of {} x {} pixels: meshes in a medium are drawn in viewports of at most {} "
+            "samples per side; found {} x {}",
+            picture.x, picture.y, max_extent_, samples.x, samples.y);
+    shown_ = make_frame(lit_.scene(), lit_.gpu().bounds(), camera, picture.x, picture.y,
+        static_cast<int>(params_.m), params_.order, LitScene::kShadowMapSize, isosurfaces);
+    shown_.size = size;
+    shown_.origin = origin;
+    view_ = {origin, picture};
     std::memcpy(frame_buffer_.mapped().data(), &shown_, sizeof(shown_));
 }
 
@@ -110,6 +119,7 @@ MeshInputs MeshBackground::declare(
         .medium = medium};
     const GuardScope guard = graph.when(new_view);
     AdaptiveAaParams part = params_;
+    part.view = params_.part_of.x > 0 ? &view_ : nullptr;
     part.export_counts = false; // what only this view writes cannot be exported, only kept
     const AdaptiveAaOutputs out = add_adaptive_aa(graph, in, part, max_extent_);
     sample_count_ = {};

@@ -16,8 +16,8 @@ public:
     MeshBackground(gpu::Device& device, const LitScene& scene, const AdaptiveAaParams& params);
 
     /// What later executions show, and its size in pixels. `isosurfaces`: where they are, if any.
-    void show(const Camera& camera, std::uint32_t width, std::uint32_t height,
-        const Bounds& isosurfaces);
+    /// `origin`: of the part, with AdaptiveAaParams::part_of only.
+    void show(const Camera& camera, glm::uvec2 size, glm::uvec2 origin, const Bounds& isosurfaces);
     /// What kernels on volumes need to know of it.
     void describe(shader::VolumeFrame& frame) const;
 
@@ -42,6 +42,7 @@ private:
     const LitScene& lit_;
     AdaptiveAaParams params_;
     std::uint32_t max_extent_;
+    ScreenTile view_;
     shader::FrameData shown_{};
     gpu::Buffer frame_buffer_;
     std::optional<gpu::Buffer> tree_buffer_; ///< from the first medium on that scatters

@@ -53,6 +53,7 @@ SurfaceVolume::SurfaceVolume(gpu::Device& device, const LitScene* lit,
         AdaptiveAaParams p = params.surfaces;
         p.width = params.medium.width;
         p.height = params.medium.height;
+        p.part_of = params.medium.part_of;
         p.captures = params.medium.captures;
         p.no_medium = empty ? "the volume is transparent everywhere" : "no volume";
         surfaces_ = std::make_unique<AdaptiveAa>(device, *lit, camera, p);
@@ -62,7 +63,9 @@ SurfaceVolume::SurfaceVolume(gpu::Device& device, const LitScene* lit,
     std::unique_ptr<MeshBackground> background;
     if (meshes) {
         p.place = placed(place_of(medium->volume), medium->placement);
-        background = std::make_unique<MeshBackground>(device, *lit, params.surfaces);
+        AdaptiveAaParams surfaces = params.surfaces;
+        surfaces.part_of = p.part_of;
+        background = std::make_unique<MeshBackground>(device, *lit, surfaces);
     } else {
         p.no_meshes = lit ? "the scene has no triangles" : "no scene";
     }
@@ -88,6 +91,13 @@ void SurfaceVolume::set_camera(const Camera& camera) {
         surfaces_->set_camera(camera);
 }
 
+void SurfaceVolume::set_origin(glm::uvec2 origin) {
+    if (medium_)
+        medium_->set_origin(origin);
+    else
+        surfaces_->set_origin(origin);
+}
+
 const std::vector<PassTime>& SurfaceVolume::times() const {
     return medium_ ? medium_->executor().times() : surfaces_->times();
 }
@@ -96,20 +106,31 @@ const std::vector<ImageHandle>& SurfaceVolume::captures() const {
     return medium_ ? medium_->captures() : surfaces_->outputs().captures;
 }
 
+std::optional<Image> SurfaceVolume::sample_counts() {
+    if (surfaces_) {
+        const ImageHandle counts = surfaces_->outputs().sample_count;
+        if (!counts) return {};
+        return surfaces_->read(counts);
+    }
+    const MeshBackground* meshes = medium_->meshes();
+    if (!meshes || !meshes->sample_count()) return {};
+    return medium_->executor().read(meshes->sample_count());
+}
+
 std::optional<double> SurfaceVolume::sample_percent() {
     if (surfaces_) return surfaces_->sample_counts().percent;
     const MeshBackground* meshes = medium_->meshes();
     if (!meshes) return {};
     const AdaptiveAaParams& params = meshes->params();
     const double n = params.m * params.m;
-    if (!meshes->sample_count()) {
+    const std::optional<Image> counts = sample_counts();
+    if (!counts) {
         const bool counted = params.method == AaMethod::uniform || params.method == AaMethod::ssaa;
         return 100.0 * (counted ? params.k : 1) / n;
     }
-    const Image counts = medium_->executor().read(meshes->sample_count());
     double sum = 0;
-    for (const float k : counts.plane(0)) sum += k;
-    return 100.0 * sum / (n * static_cast<double>(counts.pixels()));
+    for (const float k : counts->plane(0)) sum += k;
+    return 100.0 * sum / (n * static_cast<double>(counts->pixels()));
 }
 
 } // namespace ockham

@@ -40,7 +40,7 @@ struct MediumSource {
 };
 
 struct SurfaceVolumeParams {
-    AdaptiveAaParams surfaces; ///< width and height are those of `medium`
+    AdaptiveAaParams surfaces; ///< of meshes; width, height and part_of are those of `medium`
     VolumeGiParams medium;
 };
 
@@ -64,6 +64,8 @@ public:
     void drain() { medium_->drain(); }
     void finish();
     void set_camera(const Camera& camera);
+    /// Where the part lies whose size is the picture's; zero at first. With part_of only.
+    void set_origin(glm::uvec2 origin);
 
     Image picture() { return medium_ ? medium_->picture() : surfaces_->picture(); }
     const std::vector<PassTime>& times() const;
@@ -74,6 +76,8 @@ public:
     VolumeGi* medium() { return medium_.get(); }
     /// Null with a medium.
     AdaptiveAa* surfaces() { return surfaces_.get(); }
+    /// k of every pixel, with AdaptiveAaParams::export_counts; nothing where all have as many.
+    std::optional<Image> sample_counts();
     /// Percent of all samples of the G-buffer that were shaded; nothing without meshes.
     std::optional<double> sample_percent();
 

@@ -123,6 +123,7 @@ VolumeGi::VolumeGi(gpu::Device& device, const Volume& volume, const TransferFunc
                          .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                          .name = "frame",
                          .memory = gpu::MemoryUse::upload}) {
+    check(!meshes_ || meshes_->params().part_of == params_.part_of, "both show the same part");
     if (meshes_ && gpu_.facts().environment_map)
         fail_input("--environment: meshes have one colour behind them; found a map");
     refuse_search(view);
@@ -140,11 +141,14 @@ void VolumeGi::refuse_search(const VolumeView& view) const {
 }
 
 void VolumeGi::show(const VolumeView& view, const Camera& camera) {
-    shader::VolumeFrame frame =
-        make_volume_frame(place_, gpu_, camera, params_.width, params_.height, view);
+    const glm::uvec2 size(params_.width, params_.height);
+    const bool part = params_.part_of.x > 0;
+    const glm::uvec2 picture = part ? params_.part_of : size;
+    check(glm::all(glm::lessThanEqual(origin_ + size, picture)), "a part lies inside its picture");
+    shader::VolumeFrame frame = make_volume_frame(place_, gpu_, camera, picture.x, picture.y, view);
+    if (part) set_part(frame, size, origin_);
     if (meshes_) {
-        meshes_->show(
-            camera, params_.width, params_.height, has_opaque(view) ? bounds_of(place_) : Bounds{});
+        meshes_->show(camera, size, origin_, has_opaque(view) ? bounds_of(place_) : Bounds{});
         meshes_->describe(frame);
     }
     std::memcpy(frame_.mapped().data(), &frame, sizeof(frame));
@@ -369,6 +373,11 @@ void VolumeGi::finish() {
 void VolumeGi::set_camera(const Camera& camera) {
     show(view_, camera);
     pending_.picture = true;
+}
+
+void VolumeGi::set_origin(glm::uvec2 origin) {
+    origin_ = origin;
+    set_camera(camera_);
 }
 
 void VolumeGi::set_view(const VolumeView& view) {

@@ -32,6 +32,9 @@ const char* name_of(VolumeMode mode);
 
 struct VolumeGiParams {
     std::uint32_t width = 1024, height = 768; ///< pixels
+    /// The picture is a part of one of that size; 0: of none. It has other random numbers, and
+    /// meshes have texture gradients of other 2 x 2 samples where it begins at odd ones.
+    glm::uvec2 part_of{0};
     VolumeMode mode = VolumeMode::path;
     std::uint32_t samples_per_step = 1;         ///< per pixel
     bool sobol = true;                          ///< else independent samples
@@ -104,6 +107,8 @@ public:
     /// What is shown from now on. The picture begins anew; the cache only where its light or its
     /// medium changes, so not for a camera, materials or gains.
     void set_camera(const Camera& camera);
+    /// Where the part lies whose size is the picture's; zero at first. With part_of only.
+    void set_origin(glm::uvec2 origin);
     void set_view(const VolumeView& view);
     void set_transfer(const TransferFunction& transfer);
     /// Another size in pixels, gather on or off: as if made so, but for the cache, which stays.
@@ -167,6 +172,7 @@ private:
     VolumeView view_;
     Camera camera_;
     VolumeGiParams params_;
+    glm::uvec2 origin_{0}; ///< of the part
     std::unique_ptr<MeshBackground> meshes_;
 
     gpu::Buffer frame_;

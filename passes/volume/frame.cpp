@@ -120,6 +120,16 @@ shader::VolumeFrame make_volume_frame(const VolumePlace& place, const VolumeGpu&
     return frame;
 }
 
+void set_part(shader::VolumeFrame& frame, glm::uvec2 size, glm::uvec2 origin) {
+    const glm::vec2 picture(frame.size), part(size), corner(origin);
+    const glm::vec2 center = (2.0f * corner + part) / picture - 1.0f; // -1 ... 1, down
+    const glm::vec3 aside = center.x * frame.right - center.y * frame.up;
+    (frame.orthographic != 0 ? frame.position : frame.forward) += aside;
+    frame.right *= part.x / picture.x;
+    frame.up *= part.y / picture.y;
+    frame.size = size;
+}
+
 Camera volume_camera() { return look_at({0.0f, -2.6f, 0.0f}, glm::vec3(0.0f), 30.0f); }
 
 } // namespace ockham

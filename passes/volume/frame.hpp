@@ -18,6 +18,10 @@ namespace ockham {
 shader::VolumeFrame make_volume_frame(const VolumePlace& place, const VolumeGpu& volume,
     const Camera& camera, std::uint32_t width, std::uint32_t height, const VolumeView& view);
 
+/// Of the picture that `frame` was made for, what shows is the part of `size` pixels that begins at
+/// `origin`.
+void set_part(shader::VolumeFrame& frame, glm::uvec2 size, glm::uvec2 origin);
+
 /// Sees every box that is at most as wide as the picture: from the front (-y), +z up.
 Camera volume_camera();
 

@@ -75,8 +75,9 @@ void draw_samples(const SampleGrid& grid, const Look& look) {
             const bool hovered = mouse.x >= a.x && mouse.x < b.x && mouse.y >= a.y && mouse.y < b.y;
             const glm::vec3 v = grid.radiance[index];
             if (hovered)
-                tooltip(fmt::format("sample {} of {}{}\nR {:.5g}\nG {:.5g}\nB {:.5g}",
-                    grid.ranks[index] + 1, m * m, taken ? ", shaded" : "", v.x, v.y, v.z));
+                tooltip(fmt::format("sample {} of {}{}\nR {:.5g}\nG {:.5g}\nB {:.5g}{}",
+                    grid.ranks[index] + 1, m * m, taken ? ", shaded" : "", v.x, v.y, v.z,
+                    grid.paths > 0 ? fmt::format("\nmean of {} paths", grid.paths) : ""));
         }
     }
     ImGui::Dummy({cell * static_cast<float>(m), cell * static_cast<float>(m)});

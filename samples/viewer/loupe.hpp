@@ -19,6 +19,7 @@ struct SampleGrid {
     std::vector<std::uint32_t> ranks; ///< in the order in which they are taken, from 0
     std::uint32_t count = 1;          ///< k: so many are shaded
     bool by_rank = true;              ///< those of lower ranks; else, surface by surface
+    std::uint64_t paths = 0;          ///< of whose light a value is the mean; 0: it is exact
 };
 
 /// `pixel` of the canvas, with those around it. Coordinates beyond its borders are black.

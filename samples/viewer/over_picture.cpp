@@ -60,7 +60,7 @@ void Viewer::draw_wipe() {
 }
 
 void Viewer::draw_loupe_window() {
-    if (samples_old_ && !hasty_ && !hurries()) {
+    if (samples_old_ && !dirty_ && !hasty_ && !hurries()) {
         samples_old_ = false;
         samples_.reset();
         const glm::ivec2 size(picture_.width(), picture_.height());
@@ -85,7 +85,10 @@ void Viewer::draw_loupe_window() {
             samples_->by_rank ? "" : ", by surface");
         draw_samples(*samples_, look_);
     }
-    if (ImGui::SmallButton("close")) loupe_.reset();
+    if (ImGui::SmallButton("close")) {
+        loupe_.reset();
+        subject_->technique->forget_samples();
+    }
     ImGui::End();
 }
 

@@ -67,6 +67,23 @@ Stage stage_of(const LitScene& lit, const CommonOptions& common) {
     return stage;
 }
 
+SampleGrid sample_grid(const Image& samples, const AdaptiveAaParams& method,
+    const std::optional<Image>& counts, glm::ivec2 pixel) {
+    const AdaptiveAaParams all = settled(method);
+    const std::uint32_t n = all.m * all.m;
+    SampleGrid grid{.m = all.m, .radiance = {}, .ranks = std::vector<std::uint32_t>(n)};
+    for (std::size_t i = 0; i < n; ++i)
+        grid.radiance.emplace_back(samples.plane(0)[i], samples.plane(1)[i], samples.plane(2)[i]);
+    for (std::uint32_t rank = 0; rank < n; ++rank) grid.ranks[all.order[rank]] = rank;
+    if (counts && needs_counts(all)) {
+        grid.count = static_cast<std::uint32_t>(counts->at(pixel.x, pixel.y, 0));
+        grid.by_rank = all.resolve == Resolve::prefix || grid.count == n;
+    } else if (all.method == AaMethod::uniform || all.method == AaMethod::ssaa) {
+        grid.count = all.k;
+    }
+    return grid;
+}
+
 SurfaceTechnique::SurfaceTechnique(
     gpu::Device& device, const CommonOptions& common, const SurfaceOptions& options)
     : device_(device), common_(common), options_(options) {
@@ -220,11 +237,9 @@ Image SurfaceTechnique::cluster_counts() {
 /// Pixels of a picture m times as large are samples of this one.
 std::optional<SampleGrid> SurfaceTechnique::samples(glm::ivec2 pixel) {
     if (!shown_ || filters_picture(params_.method)) return {};
-    const Image shown = shown_->picture();
-    const glm::uvec2 size(shown.width(), shown.height());
+    const glm::uvec2 size = shown_ == full_.aa.get() ? full_.size : hasty_.size;
     if (glm::any(glm::greaterThanEqual(glm::uvec2(pixel), size))) return {};
-    const AdaptiveAaParams all = settled(params_);
-    const std::uint32_t m = all.m;
+    const std::uint32_t m = settled(params_).m;
     if (!samples_.aa || samples_.size != size) {
         AdaptiveAaParams params;
         params.width = params.height = m;
@@ -238,20 +253,9 @@ std::optional<SampleGrid> SurfaceTechnique::samples(glm::ivec2 pixel) {
     samples_.aa->set_camera(camera_);
     samples_.aa->set_origin(m * glm::uvec2(pixel));
     samples_.aa->execute();
-    const Image image = samples_.aa->picture();
-
-    SampleGrid grid{.m = m, .radiance = {}, .ranks = std::vector<std::uint32_t>(m * m), .count = 1};
-    for (std::size_t i = 0; i < m * m; ++i)
-        grid.radiance.emplace_back(image.plane(0)[i], image.plane(1)[i], image.plane(2)[i]);
-    for (std::uint32_t rank = 0; rank < m * m; ++rank) grid.ranks[all.order[rank]] = rank;
-    if (shown_->outputs().sample_count && needs_counts(all)) {
-        const Image counts = shown_->read(shown_->outputs().sample_count);
-        grid.count = static_cast<std::uint32_t>(counts.at(pixel.x, pixel.y, 0));
-        grid.by_rank = all.resolve == Resolve::prefix || grid.count == m * m;
-    } else if (all.method == AaMethod::uniform || all.method == AaMethod::ssaa) {
-        grid.count = all.k;
-    }
-    return grid;
+    std::optional<Image> counts;
+    if (const ImageHandle image = shown_->outputs().sample_count) counts = shown_->read(image);
+    return sample_grid(samples_.aa->picture(), params_, counts, pixel);
 }
 
 std::vector<std::string> SurfaceTechnique::rivals() const {

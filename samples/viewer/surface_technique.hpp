@@ -21,6 +21,11 @@ void declare(Params& params, SurfaceOptions& options);
 /// Where `common` says, or the scene.
 Stage stage_of(const LitScene& lit, const CommonOptions& common);
 
+/// The samples of a pixel that `method` makes, from their picture of m x m pixels. `counts`: k of
+/// each pixel where they differ.
+SampleGrid sample_grid(const Image& samples, const AdaptiveAaParams& method,
+    const std::optional<Image>& counts, glm::ivec2 pixel);
+
 class SurfaceTechnique : public Technique {
 public:
     /// Loads and uploads; all must outlive this object. Throws Error(input) naming the file.
@@ -43,6 +48,7 @@ public:
     void want_overlay(const std::string& name) override;
     std::optional<Overlay> overlay(const std::string& name) override;
     std::optional<SampleGrid> samples(glm::ivec2 pixel) override;
+    void forget_samples() override { samples_ = {}; }
     std::string method() const override { return options_.method.method; }
     std::vector<std::string> rivals() const override;
     std::unique_ptr<Technique> rival(const std::string& name) override;

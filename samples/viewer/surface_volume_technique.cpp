@@ -12,6 +12,7 @@ namespace {
 constexpr const char* kMeshesAlone = "meshes alone";
 constexpr const char* kMediumAlone = "medium alone";
 constexpr const char* kSamples = "k";
+constexpr std::uint32_t kPathsPerSample = 256; ///< of what the loupe shows, at a time
 
 /// What is in the scene, or shines in it.
 const std::set<std::string> kSceneNames{
@@ -65,9 +66,14 @@ std::unique_ptr<SurfaceVolume> SurfaceVolumeTechnique::make(const VolumeGiParams
     SurfaceVolumeParams both{aa_params(options_.surface.method), params};
     both.surfaces.history = false; // each view is on its own
     both.surfaces.export_counts = true;
+    return make(both);
+}
+
+std::unique_ptr<SurfaceVolume> SurfaceVolumeTechnique::make(
+    const SurfaceVolumeParams& params) const {
     const MediumSource medium{
         source_.volume, source_.transfer, source_.environment, source_.view, placement_};
-    return std::make_unique<SurfaceVolume>(device_, lit_.get(), medium, camera_, both);
+    return std::make_unique<SurfaceVolume>(device_, lit_.get(), medium, camera_, params);
 }
 
 std::string SurfaceVolumeTechnique::title() const {
@@ -77,7 +83,11 @@ std::string SurfaceVolumeTechnique::title() const {
 }
 
 void SurfaceVolumeTechnique::change(const std::vector<std::string>& names) {
-    if (std::ranges::any_of(names, [](const auto& name) { return kSceneNames.contains(name); })) {
+    const auto any = [&](const std::set<std::string>& of) {
+        return std::ranges::any_of(names, [&](const auto& name) { return of.contains(name); });
+    };
+    if (any(kSceneNames)) {
+        forget_samples();
         load();
         return;
     }
@@ -86,6 +96,26 @@ void SurfaceVolumeTechnique::change(const std::vector<std::string>& names) {
         place_ = placed(place_of(source_.volume), placement_);
     }
     VolumeTechnique::change(names);
+    // As of the picture, only the view is another where the graph is not.
+    if (!picture_ || any({"transfer", "window"}))
+        forget_samples();
+    else if (samples_.picture)
+        samples_.picture->medium()->set_view(source_.view);
+}
+
+void SurfaceVolumeTechnique::set_camera(const Camera& camera) {
+    VolumeTechnique::set_camera(camera);
+    if (samples_.picture) samples_.picture->set_camera(camera);
+}
+
+void SurfaceVolumeTechnique::set_transfer(const TransferFunction& transfer) {
+    forget_samples();
+    VolumeTechnique::set_transfer(transfer);
+}
+
+void SurfaceVolumeTechnique::render(glm::uvec2 size, bool hurry) {
+    if (!hurry && samples_.size != size) forget_samples(); // before the next picture takes memory
+    VolumeTechnique::render(size, hurry);
 }
 
 std::vector<std::string> SurfaceVolumeTechnique::overlays() const {
@@ -96,12 +126,43 @@ std::vector<std::string> SurfaceVolumeTechnique::overlays() const {
 
 std::optional<Overlay> SurfaceVolumeTechnique::overlay(const std::string& name) {
     if (name != kSamples) return VolumeTechnique::overlay(name);
-    if (!picture_ || !picture_->medium()) return {};
-    const MeshBackground& meshes = *picture_->medium()->meshes();
-    if (!meshes.sample_count()) return {};
-    const auto m = static_cast<float>(meshes.params().m);
-    return Overlay{
-        name, "samples of meshes per pixel", executor()->read(meshes.sample_count()), 1, m * m};
+    if (!picture_) return {};
+    const std::optional<Image> counts = picture_->sample_counts();
+    if (!counts) return {};
+    const auto m = static_cast<float>(settled(aa_params(options_.surface.method)).m);
+    return Overlay{name, "samples of surfaces per pixel", *counts, 1, m * m};
+}
+
+/// Pixels of a picture m times as large are samples of this one. A cache for so few would cost more
+/// than the paths that it stands for.
+std::optional<SampleGrid> SurfaceVolumeTechnique::samples(glm::ivec2 pixel) {
+    const AdaptiveAaParams method = aa_params(options_.surface.method);
+    if (!picture_ || filters_picture(method.method)) return {};
+    if (const VolumeGi* medium = picture_->medium(); medium && !medium->meshes()) return {};
+    if (glm::any(glm::greaterThanEqual(glm::uvec2(pixel), size_))) return {};
+    const std::uint32_t m = settled(method).m;
+    if (!samples_.picture || samples_.size != size_) {
+        SurfaceVolumeParams params{.surfaces = {},
+            .medium = volume_gi_params(options_.volume.method,
+                mode() == VolumeMode::path ? VolumeMode::path : VolumeMode::noncaching)};
+        params.surfaces.m = 1;
+        params.surfaces.method = AaMethod::none;
+        params.surfaces.anisotropy = method.anisotropy;
+        params.medium.width = params.medium.height = m;
+        params.medium.part_of = m * size_;
+        params.medium.samples_per_step = kPathsPerSample;
+        params.medium.search = SurfaceSearch::exact; // others are for the composition
+        forget_samples();
+        samples_ = {.picture = make(params), .size = size_, .pixel = glm::ivec2(-1)};
+    }
+    SurfaceVolume& samples = *samples_.picture;
+    if (samples_.pixel != pixel) samples.set_origin(m * glm::uvec2(pixel));
+    samples_.pixel = pixel;
+    samples.execute();
+    samples.finish();
+    SampleGrid grid = sample_grid(samples.picture(), method, picture_->sample_counts(), pixel);
+    if (!samples.all_at_once()) grid.paths = kPathsPerSample * samples.medium()->steps();
+    return grid;
 }
 
 std::string SurfaceVolumeTechnique::method() const {

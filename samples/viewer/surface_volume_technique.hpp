@@ -32,8 +32,13 @@ public:
     std::string title() const override;
     Stage stage() const override { return stage_of(*lit_, common_); }
     void change(const std::vector<std::string>& names) override;
+    void set_camera(const Camera& camera) override;
+    void render(glm::uvec2 size, bool hurry) override;
+    void set_transfer(const TransferFunction& transfer) override;
     std::vector<std::string> overlays() const override;
     std::optional<Overlay> overlay(const std::string& name) override;
+    std::optional<SampleGrid> samples(glm::ivec2 pixel) override;
+    void forget_samples() override { samples_ = {}; }
     std::string method() const override;
     std::vector<std::string> rivals() const override;
     std::unique_ptr<Technique> rival(const std::string& name) override;
@@ -45,11 +50,19 @@ private:
     void load() override;
     void relight() override;
     std::unique_ptr<SurfaceVolume> make(const VolumeGiParams& params) const override;
+    std::unique_ptr<SurfaceVolume> make(const SurfaceVolumeParams& params) const;
 
+    /// The samples of one pixel of a picture of that size, as a picture of their own.
+    struct Samples {
+        std::unique_ptr<SurfaceVolume> picture;
+        glm::uvec2 size{0};
+        glm::ivec2 pixel{0};
+    };
     std::optional<SurfaceVolumeOptions> own_; ///< of a rival
     const SurfaceVolumeOptions& options_;
     std::shared_ptr<const LitScene> lit_;
     VolumePlacement placement_;
+    Samples samples_;
 };
 
 } // namespace ockham::viewer

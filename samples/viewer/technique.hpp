@@ -56,6 +56,8 @@ public:
 
     /// The samples of one pixel of the picture; nothing where it has none that are known by place.
     virtual std::optional<SampleGrid> samples(glm::ivec2) { return {}; }
+    /// What samples() keeps for its next call, which makes it anew.
+    virtual void forget_samples() {}
 
     /// How this one renders, and other ways, by name; one of them with all else equal: B of an A/B.
     virtual std::string method() const = 0;

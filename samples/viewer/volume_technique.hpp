@@ -55,7 +55,7 @@ public:
     const Histogram& histogram() const { return histogram_; }
     const TransferFunction& transfer() const { return source_.transfer; }
     /// As if drawn in a file. Throws Error(input).
-    void set_transfer(const TransferFunction& transfer);
+    virtual void set_transfer(const TransferFunction& transfer);
 
 protected:
     /// Of a volume that is still to be take()n; `options` must outlive this object.
@@ -71,6 +71,7 @@ protected:
     void take(VolumeSource source, const std::optional<VolumePlace>& place);
     /// The next step makes it from nothing.
     void forget();
+    VolumeMode mode() const;
 
     gpu::Device& device_;
     const CommonOptions& common_;
@@ -78,16 +79,15 @@ protected:
     std::optional<VolumePlace> place_; ///< empty: place_of() the volume
     Camera camera_;
     std::unique_ptr<SurfaceVolume> picture_; ///< null: to be made by the next render()
+    glm::uvec2 size_{0};                     ///< of it, pixels
 
 private:
-    VolumeMode mode() const;
     /// Null before the first step, and where meshes hide that the medium is transparent.
     VolumeGi* medium() const { return picture_ ? picture_->medium() : nullptr; }
 
     std::optional<VolumeViewerOptions> own_; ///< of a rival
     const VolumeViewerOptions& options_;
     Histogram histogram_;
-    glm::uvec2 size_{0};
     bool gather_ = true;
     bool finished_ = false;
 };

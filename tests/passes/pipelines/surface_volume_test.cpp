@@ -446,6 +446,39 @@ TEST_F(SurfaceVolumeTest, AMovedCameraEqualsAFreshPicture) {
     EXPECT_EQ(moved.sample_percent(), fresh.sample_percent());
 }
 
+TEST_F(SurfaceVolumeTest, APartIsThatPartOfThePicture) {
+    const LitScene lit(device(), varied_scene(true));
+    const Volume field = smooth();
+    const Image none;
+    const TransferFunction even{{{.value = 0, .opacity = 1}, {.value = 255, .opacity = 1}}};
+    VolumeView view = absorbing(0.2f);
+    view.surfaces = {{.value = 160, .opacity = 1}};
+    view = lit_by(lit.scene(), view, glm::vec3(0.0f));
+    const MediumSource medium{field, even, none, view, {{2, 2, 0}, {10, 20, 30}, 6}};
+    Camera camera = lit.scene().cameras.front();
+    for (const float height : {0.0f, 6.0f}) {
+        camera.orthographic_height = height;
+        SurfaceVolumeParams p = params(24, 18, VolumeMode::caching, AaMethod::ssaa);
+        p.surfaces.m = 1;
+        SurfaceVolume whole(device(), &lit, medium, camera, p);
+        const Image wanted = after(whole, 2);
+        p.medium.width = 7, p.medium.height = 5;
+        p.medium.part_of = {24, 18};
+        SurfaceVolume part(device(), &lit, medium, camera, p);
+        // Even ones: gradients of textures are those of 2 x 2 fragments.
+        for (const glm::ivec2 origin : {glm::ivec2(0), glm::ivec2(6, 8), glm::ivec2(16, 12)}) {
+            part.set_origin(origin);
+            const Image seen = after(part, 2);
+            for (int y = 0; y < 5; ++y)
+                for (int x = 0; x < 7; ++x)
+                    for (int c = 0; c < 4; ++c)
+                        EXPECT_NEAR(
+                            seen.at(x, y, c), wanted.at(origin.x + x, origin.y + y, c), 2e-5)
+                            << origin.x + x << " " << origin.y + y << " " << c;
+        }
+    }
+}
+
 TEST_F(SurfaceVolumeTest, RefusesWhatCannotBeSeenThroughAMedium) {
     const LitScene lit(device(), furnace());
     const Volume field = full();
