@@ -5,6 +5,7 @@ namespace ockham {
 
 SceneFacts facts_of(const Scene& scene) {
     SceneFacts facts;
+    facts.materials = scene.materials.size();
     for (const Instance& instance : scene.instances) {
         for (const Primitive& primitive :
             scene.meshes[static_cast<std::size_t>(instance.mesh)].primitives) {

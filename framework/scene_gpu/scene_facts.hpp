@@ -5,6 +5,7 @@
 
 #include "framework/scene/scene.hpp"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace ockham {
@@ -19,6 +20,7 @@ struct SceneFacts {
     bool masked_textures = false;    ///< a masked material takes its alpha from an image
     bool vertex_colors = false;      ///< a used primitive has colours
     bool second_coordinates = false; ///< a material's images need two different sets of coordinates
+    std::size_t materials = 0;       ///< of the scene, used or not: ids of them are not made anew
     std::uint32_t directional_lights = 0;
     std::uint32_t point_lights = 0;
     std::uint32_t spot_lights = 0;
@@ -27,6 +29,7 @@ struct SceneFacts {
     /// The G-buffer needs its second target.
     bool extra_target() const { return vertex_colors || second_coordinates; }
     bool data_textures() const { return shading_data_textures || normal_maps; }
+    std::uint32_t lights() const { return directional_lights + point_lights + spot_lights; }
 };
 
 /// Only primitives that an instance shows count, and only materials that they use.

@@ -353,8 +353,9 @@ SceneGpu::SceneGpu(gpu::Device& device, const Scene& scene)
         indices_, "indices", bytes_of(indices), kStorage | VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
     if (!draws_.empty()) make_buffer(instances_, "instances", bytes_of(instances.table), kStorage);
     make_buffer(triangle_blocks_, "triangle_blocks", bytes_of(blocks), kStorage);
-    make_buffer(materials_, "materials", bytes_of(materials), kStorage);
-    make_buffer(lights_, "lights", bytes_of(light_table(scene)), kStorage);
+    constexpr VkBufferUsageFlags kEither = kStorage | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
+    make_buffer(materials_, "materials", bytes_of(materials), kEither);
+    make_buffer(lights_, "lights", bytes_of(light_table(scene)), kEither);
     make_array(color_textures_, device, uploader, color.layers(), true, "color_textures", bytes_,
         padding_bytes_);
     make_array(data_textures_, device, uploader, data.layers(), false, "data_textures", bytes_,

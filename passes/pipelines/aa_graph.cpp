@@ -220,7 +220,7 @@ void add_means(
     Graph& graph, ShadingInputs& in, const Clusters& clusters, const AdaptiveAaParams& params) {
     const SceneFacts& facts = in.scene.scene->facts();
     const bool textured = facts.color_textures;
-    const bool lights = facts.directional_lights + facts.point_lights + facts.spot_lights > 0;
+    const bool lights = facts.lights() > 0;
     const bool stratified = params.resolve == Resolve::stratified;
     in.demodulate = stratified && params.demodulate && textured;
     in.filter_highlights = stratified && params.filter_highlights && lights && facts.glossy;

@@ -3,6 +3,7 @@
 
 #include "framework/core/error.hpp"
 #include "passes/shader_variant.hpp"
+#include "shaders/shared/scene.h"
 #include "shaders/surface/shade.h"
 
 namespace ockham {
@@ -14,6 +15,13 @@ bool needs_data_textures(const ShadingInputs& in) {
     const SceneFacts& facts = in.scene.scene->facts();
     return in.gbuffer.layout == GbufferLayout::visibility ? facts.data_textures()
                                                           : facts.shading_data_textures;
+}
+
+/// Binds the first `few` items of so many, or all, as a uniform buffer. Of more nothing is read
+/// there.
+void read_few(PassBuilder& pass, std::string_view binding, BufferHandle buffer, std::size_t item,
+    std::size_t count, std::size_t few, Stage stage) {
+    pass.uniform(binding, count > few ? buffer.range(0, item * few) : BufferPart(buffer), stage);
 }
 
 } // namespace
@@ -31,8 +39,13 @@ void read_shading(PassBuilder& pass, const ShadingInputs& in, Stage stage) {
     const SceneFacts& facts = in.scene.scene->facts();
     const bool packed = in.gbuffer.layout == GbufferLayout::packed;
     read_gbuffer(pass, in.gbuffer, stage);
-    pass.uniform("frame", in.scene.frame, stage).read("lights", in.scene.handles.lights, stage);
-    if (packed) pass.read("materials", in.scene.handles.materials, stage);
+    const SceneHandles& handles = in.scene.handles;
+    pass.uniform("frame", in.scene.frame, stage).read("lights", handles.lights, stage);
+    read_few(pass, "few_lights", handles.lights, sizeof(shader::LightData), facts.lights(),
+        FEW_LIGHTS, stage);
+    if (packed) pass.read("materials", handles.materials, stage); // ids: read_gbuffer() did
+    read_few(pass, "few_materials", handles.materials, sizeof(shader::MaterialData),
+        facts.materials, FEW_MATERIALS, stage);
     if (facts.color_textures) {
         pass.sample(
             "color_textures", in.scene.handles.color_textures, stage, Filter::linear_repeat);
@@ -56,9 +69,11 @@ std::string shading_variant(
 Specialization shading_specialization(const ShadingInputs& in, bool stratified) {
     const SceneFacts& facts = in.scene.scene->facts();
     Specialization out = gbuffer_specialization(in.gbuffer);
-    out.insert(out.end(), {{SPEC_DIRECTIONAL_LIGHTS, facts.directional_lights > 0},
-                              {SPEC_POINT_LIGHTS, facts.point_lights > 0},
-                              {SPEC_SPOT_LIGHTS, facts.spot_lights > 0}});
+    out.insert(out.end(),
+        {{SPEC_DIRECTIONAL_LIGHTS, facts.directional_lights > 0},
+            {SPEC_POINT_LIGHTS, facts.point_lights > 0}, {SPEC_SPOT_LIGHTS, facts.spot_lights > 0},
+            {SPEC_MANY_LIGHTS, facts.lights() > FEW_LIGHTS},
+            {SPEC_MANY_MATERIALS, facts.materials > FEW_MATERIALS}});
     if (in.medium) {
         const Specialization medium = transmittance_specialization(*in.medium);
         out.insert(out.end(), medium.begin(), medium.end());
@@ -74,9 +89,8 @@ std::uint32_t iterations_per_sample(const SceneFacts& facts, const ShadingParams
     const std::optional<MediumInputs>& medium) {
     const std::uint32_t lookups =
         2u * (facts.color_textures ? 1u : 0u) + 2u * (facts.shading_data_textures ? 1u : 0u);
-    const std::uint32_t lights = facts.directional_lights + facts.point_lights + facts.spot_lights;
-    const std::uint32_t ways = medium ? lights * transmittance_iterations(*medium) : 0;
-    return (params.stall + 15) / 16 + lights + lookups * params.anisotropy + ways + 1;
+    const std::uint32_t ways = medium ? facts.lights() * transmittance_iterations(*medium) : 0;
+    return (params.stall + 15) / 16 + facts.lights() + lookups * params.anisotropy + ways + 1;
 }
 
 std::uint32_t samples_per_dispatch(const SceneFacts& facts, const ShadingParams& params,
@@ -86,9 +100,8 @@ std::uint32_t samples_per_dispatch(const SceneFacts& facts, const ShadingParams&
         fail_input(
             "one shaded sample would take {} loop iterations (stall {}, {} lights{}); the limit "
             "is {}: use fewer lights or a shorter stall",
-            iterations, params.stall,
-            facts.directional_lights + facts.point_lights + facts.spot_lights,
-            medium ? ", each through the medium" : "", kIterationBudget);
+            iterations, params.stall, facts.lights(), medium ? ", each through the medium" : "",
+            kIterationBudget);
     }
     return kIterationBudget / iterations;
 }

@@ -50,6 +50,10 @@ struct MaterialData {
     UvMap uv[3];                           ///< slots 0 and 1, and the normal map's
 };
 
+// Of so many and fewer, kernels may read all from a uniform buffer: 16 KiB, which every device allows.
+#define FEW_MATERIALS 64
+#define FEW_LIGHTS 256
+
 /// Up to TRIANGLES_PER_BLOCK (surface/gbuffer.h) triangles of one primitive in one instance.
 struct TriangleBlock {
     uint first_index; ///< of its first triangle

@@ -27,6 +27,9 @@ struct SurfaceMeansPush {
 // What samples that stand for others take from all of their surface.
 #define SPEC_DEMODULATE 3
 #define SPEC_FILTER_HIGHLIGHTS 4
+// More than a uniform buffer is made for.
+#define SPEC_MANY_LIGHTS 5
+#define SPEC_MANY_MATERIALS 6
 
 OCKHAM_SHARED_END
 

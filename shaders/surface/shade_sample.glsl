@@ -13,13 +13,13 @@
 layout(constant_id = SPEC_DIRECTIONAL_LIGHTS) const bool kDirectionalLights = true;
 layout(constant_id = SPEC_POINT_LIGHTS) const bool kPointLights = true;
 layout(constant_id = SPEC_SPOT_LIGHTS) const bool kSpotLights = true;
+layout(constant_id = SPEC_MANY_LIGHTS) const bool kManyLights = false;
 
 layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 #include "surface/surface_sample.glsl"
-#ifndef VISIBILITY
-layout(scalar, binding = 4) readonly buffer Materials { MaterialData items[]; } materials;
-#endif
+#include "surface/materials.glsl"
 layout(scalar, binding = 5) readonly buffer Lights { LightData items[]; } lights;
+layout(scalar, binding = 40) uniform FewLights { LightData items[FEW_LIGHTS]; } few_lights; // as materials
 #ifdef COLOR_TEXTURES
 layout(binding = 6) uniform sampler2DArray color_textures;
 #endif
@@ -102,6 +102,11 @@ float stall(float x) {
     return x < -1.0 ? 0.0 : 1.0;
 }
 
+LightData light_at(uint index) {
+    if (kManyLights) return lights.items[index];
+    return few_lights.items[index];
+}
+
 /// Radiance towards `v` per irradiance from `l`; material: the sample's.
 vec3 reflect_from(Surface surface, uint material, vec3 n, vec3 v, vec3 l) {
     vec3 reflected = reflect_light(surface, n, v, l);
@@ -120,7 +125,7 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
     if (s.depth <= 0.0) return vec4(frame.data.background * unstalled, 0.0);
 
     bool iso = is_isosurface(s.material);
-    MaterialData material = materials.items[iso ? 0u : s.material];
+    MaterialData material = material_at(iso ? 0u : s.material);
     vec4 base_color = material.base_color;
     base_color.rgb *= s.color;
     vec3 emissive = material.emissive;
@@ -162,37 +167,40 @@ vec4 shade_sample(ivec2 pixel, Pick pick) {
     uint light = 0u;
     if (kDirectionalLights) {
         for (; light < frame.data.directional_count; ++light) {
-            vec3 l = lights.items[light].to_light;
+            LightData source = light_at(light);
+            vec3 l = source.to_light;
             float visible = 1.0;
 #ifdef SHADOW
             if (light == 0u) visible = sun_visibility(world, depth, n, dot(n, l));
 #endif
             visible *= lit_through(world, n, l, 1e30, iso);
-            radiance += visible * lights.items[light].intensity * reflect_from(surface, s.material, n, v, l);
+            radiance += visible * source.intensity * reflect_from(surface, s.material, n, v, l);
         }
     }
     if (kPointLights) {
         uint end = light + frame.data.point_count;
         for (; light < end; ++light) {
-            vec3 to_light = lights.items[light].position - world;
+            LightData source = light_at(light);
+            vec3 to_light = source.position - world;
             float distance2 = dot(to_light, to_light);
             vec3 l = to_light * inversesqrt(max(distance2, 1e-12));
-            radiance += attenuation(lights.items[light], distance2) *
-                        lit_through(world, n, l, sqrt(distance2), iso) * lights.items[light].intensity *
+            radiance += attenuation(source, distance2) *
+                        lit_through(world, n, l, sqrt(distance2), iso) * source.intensity *
                         reflect_from(surface, s.material, n, v, l);
         }
     }
     if (kSpotLights) {
         uint end = light + frame.data.spot_count;
         for (; light < end; ++light) {
-            vec3 to_light = lights.items[light].position - world;
+            LightData source = light_at(light);
+            vec3 to_light = source.position - world;
             float distance2 = dot(to_light, to_light);
             vec3 l = to_light * inversesqrt(max(distance2, 1e-12));
-            float cone = clamp(dot(l, lights.items[light].to_light) * lights.items[light].cone_scale +
-                                   lights.items[light].cone_offset, 0.0, 1.0);
-            radiance += attenuation(lights.items[light], distance2) * cone * cone *
+            float cone = clamp(dot(l, source.to_light) * source.cone_scale +
+                                   source.cone_offset, 0.0, 1.0);
+            radiance += attenuation(source, distance2) * cone * cone *
                         lit_through(world, n, l, sqrt(distance2), iso) *
-                        lights.items[light].intensity * reflect_from(surface, s.material, n, v, l);
+                        source.intensity * reflect_from(surface, s.material, n, v, l);
         }
     }
     return vec4(radiance * unstalled, 1.0);

@@ -3,6 +3,7 @@
 // validation: the layer's own instructions report accesses out of bounds, and any message fails the
 // test. Which kernels ran is read off the log, so that none is forgotten.
 #include "framework/core/log.hpp"
+#include "framework/gpu/shader.hpp"
 #include "passes/pipelines/surface_volume.hpp"
 #include "tests/support/ball.hpp"
 #include "tests/support/gpu_fixture.hpp"
@@ -12,6 +13,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <regex>
 #include <set>
 
@@ -209,6 +211,24 @@ TEST_F(EveryKernel, OfMeshesInAMediumIsSilent) {
         for (const std::string& kernel : kernels_of(folder))
             if (kOfMeshesInAMedium.contains(kernel)) there.insert(kernel);
     expect_compiled(there);
+}
+
+/// A fourth is no place for what branches and loops read, for the sake of lavapipe: why is told in
+/// shaders/surface/materials.glsl.
+TEST(EveryKernelTest, DecidesByThreeUniformBuffersAtMost) {
+    std::size_t most = 0;
+    for (const std::string_view name : gpu::shader_names()) {
+        std::map<std::uint32_t, std::string> buffers;
+        for (const gpu::ShaderBinding& b : gpu::reflect(name, gpu::find_shader(name)).bindings) {
+            if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER) buffers.emplace(b.binding, b.name);
+        }
+        most = std::max(most, buffers.size());
+        ASSERT_LE(buffers.size(), 4u) << name;
+        if (buffers.size() == 4) {
+            EXPECT_EQ(buffers.rbegin()->second, "few_materials") << name;
+        }
+    }
+    EXPECT_EQ(most, 4u) << "of surfaces in a medium";
 }
 
 TEST(EveryKernelTest, KnowsEveryFolder) {

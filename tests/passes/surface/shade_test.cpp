@@ -5,6 +5,7 @@
 #include "passes/pipelines/adaptive_aa.hpp"
 #include "passes/surface/first_sample.hpp"
 #include "passes/surface/shade.hpp"
+#include "shaders/shared/scene.h"
 #include "tests/support/gpu_fixture.hpp"
 #include "tests/support/scene_bench.hpp"
 #include "tests/support/surface_scenes.hpp"
@@ -305,6 +306,35 @@ TEST_F(ShadeTest, LightsAddUp) {
     const std::vector<float> found = interleaved(together);
     for (std::size_t i = 0; i < sum.size(); ++i)
         EXPECT_NEAR(found[i], sum[i], 1e-5 * std::max(1.0, sum[i]));
+}
+
+/// `scene` with so many black lights and unused materials before its own.
+Scene padded(Scene scene, std::size_t lights, std::size_t materials) {
+    scene.materials.insert(scene.materials.begin(), materials, Material{});
+    for (Mesh& mesh : scene.meshes) {
+        for (Primitive& primitive : mesh.primitives)
+            primitive.material += static_cast<int>(materials);
+    }
+    Light black; // a point light
+    black.intensity = glm::vec3(0.0f);
+    scene.lights.insert(scene.lights.begin(), lights, black);
+    return scene;
+}
+
+TEST_F(ShadeTest, LightsAndMaterialsBeyondAUniformBufferChangeNoBit) {
+    const Scene scene = varied_scene();
+    AdaptiveAaParams p = params(48, 32, 2, AaMethod::adaptive);
+    p.resolve = Resolve::stratified;
+    p.demodulate = p.filter_highlights = true;
+    for (const GbufferLayout layout : {GbufferLayout::packed, GbufferLayout::visibility}) {
+        p.gbuffer = layout;
+        const LitScene few(device(), scene);
+        const std::vector<float> expected = interleaved(render(few, p));
+        for (const bool lights : {false, true}) {
+            const LitScene many(device(), padded(scene, lights ? FEW_LIGHTS : 0, FEW_MATERIALS));
+            EXPECT_EQ(interleaved(render(many, p)), expected) << "lights: " << lights;
+        }
+    }
 }
 
 TEST_F(ShadeTest, IterationsOfASampleAreCountedAndRefusedBeyondTheBudget) {
