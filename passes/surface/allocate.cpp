@@ -16,7 +16,7 @@ Allocation add_allocate(Graph& graph, ImageHandle variance, const AllocateParams
 
     PassBuilder pass = graph.add_compute_pass("allocate");
     pass.because(fmt::format("the samples that are worth lambda = {}", params.lambda));
-    pass.sample("variance", variance);
+    pass.read("variance", variance);
     out.sample_count = pass.write("sample_count", out.sample_count);
     if (params.winner) out.winner = pass.write("winner", out.winner);
     pass.record([counts, params](Commands& commands) {

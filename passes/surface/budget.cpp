@@ -49,7 +49,7 @@ Allocation add_budget(Graph& graph, ImageHandle variance, const BudgetParams& pa
 
     PassBuilder histogram = graph.add_compute_pass("budget_histogram");
     histogram.because(fmt::format("finds what {} % of all samples buy", params.percent));
-    histogram.sample("variance", variance);
+    histogram.read("variance", variance);
     bins = histogram.read_write("budget_bins", bins);
     histogram.record([push](Commands& commands) {
         commands.dispatch_over({.shader = "surface/budget_histogram.comp",
@@ -73,7 +73,7 @@ Allocation add_budget(Graph& graph, ImageHandle variance, const BudgetParams& pa
         graph.create_buffer("budget_runs", {std::uint64_t{runs} * sizeof(std::uint32_t)});
     PassBuilder count = graph.add_compute_pass("budget_count");
     count.because("who would take a sample at the next lower price");
-    count.sample("variance", variance).read("budget_price", price);
+    count.read("variance", variance).read("budget_price", price);
     sums = count.write("budget_runs", sums);
     count.record([push, runs](Commands& commands) {
         commands.dispatch_over(
@@ -92,7 +92,7 @@ Allocation add_budget(Graph& graph, ImageHandle variance, const BudgetParams& pa
 
     PassBuilder spend = graph.add_compute_pass("budget");
     spend.because(fmt::format("{} % of all samples, to whom they help most", params.percent));
-    spend.sample("variance", variance).read("budget_price", price).read("budget_runs", sums);
+    spend.read("variance", variance).read("budget_price", price).read("budget_runs", sums);
     out.sample_count = spend.write("sample_count", out.sample_count);
     if (params.winner) out.winner = spend.write("winner", out.winner);
     spend.record([push, runs, winner = params.winner](Commands& commands) {

@@ -172,11 +172,11 @@ std::uint32_t gbuffer_bytes_per_sample(const Graph& graph) {
 }
 
 void read_gbuffer(PassBuilder& pass, const Gbuffer& gbuffer, Stage stage) {
-    pass.sample("gbuffer", gbuffer.surface, stage);
+    pass.read("gbuffer", gbuffer.surface, stage);
     if (gbuffer.layout == GbufferLayout::packed) {
         pass.sample("gbuffer_depth", gbuffer.depth, stage);
-        if (gbuffer.extra) pass.sample("gbuffer_extra", gbuffer.extra, stage);
-        if (gbuffer.slopes) pass.sample("gbuffer_slopes", gbuffer.slopes, stage);
+        if (gbuffer.extra) pass.read("gbuffer_extra", gbuffer.extra, stage);
+        if (gbuffer.slopes) pass.read("gbuffer_slopes", gbuffer.slopes, stage);
         return;
     }
     const SceneHandles& scene = gbuffer.scene.handles;

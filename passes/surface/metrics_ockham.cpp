@@ -28,10 +28,10 @@ ImageHandle add_ockham_metrics(
     pass.because("how much the colours of each pixel are expected to vary");
     pass.uniform("frame", in.frame);
     read_gbuffer(pass, in.gbuffer);
-    pass.sample("clusters", in.clusters.labels)
-        .sample("normal_spread", in.clusters.normal_spread)
-        .sample("first_surface", in.clusters.first_surface)
-        .sample("first_luma", luma);
+    pass.read("clusters", in.clusters.labels)
+        .read("normal_spread", in.clusters.normal_spread)
+        .read("first_surface", in.clusters.first_surface)
+        .read("first_luma", luma);
     const ImageHandle lone = pass.write("lone_variance", graph.create_image("lone_variance", desc));
     pass.record([desc, params, gbuffer = in.gbuffer](Commands& commands) {
         const shader::OckhamMetricsPush push{.stratified = params.stratified ? 1u : 0u};
@@ -45,7 +45,7 @@ ImageHandle add_ockham_metrics(
 
     PassBuilder pool = graph.add_compute_pass("variance_pool");
     pool.because("where the neighbours vary, so does the pixel");
-    pool.sample("lone_variance", lone);
+    pool.read("lone_variance", lone);
     const ImageHandle out = pool.write("variance", graph.create_image("variance", desc));
     pool.record(over_picture("surface/variance_pool.comp"));
     return out;

@@ -15,8 +15,8 @@ ImageHandle add_variance_history(Graph& graph, const VarianceHistoryInputs& in, 
     pass.because("the camera moves: expected variance falls little by little, lest counts flicker");
     pass.uniform("frame", in.frame)
         .uniform("frame_before", in.frame_before)
-        .sample("variance", in.variance)
-        .sample("first_surface", in.first_surface)
+        .read("variance", in.variance)
+        .read("first_surface", in.first_surface)
         .sample("history_before", history.previous[0]);
     const ImageHandle out = pass.write("history", history.now);
     pass.record([desc, keep](Commands& commands) {

@@ -10,7 +10,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(binding = 0) uniform sampler2D variance;
+layout(binding = 0, rg32f) uniform readonly image2D variance;
 layout(binding = 1, r8ui) uniform writeonly uimage2D sample_count;
 #ifdef WINNER
 layout(binding = 2, r8ui) uniform writeonly uimage2D winner;
@@ -20,7 +20,7 @@ layout(push_constant, scalar) uniform Push { AllocatePush push; };
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, ivec2(push.size)))) return;
-    vec2 expected = texelFetch(variance, pixel, 0).xy;
+    vec2 expected = imageLoad(variance, pixel).xy;
     uint k = allocated_samples(expected, push.lambda, push.samples);
     imageStore(sample_count, pixel, uvec4(k));
 #ifdef WINNER

@@ -10,7 +10,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(binding = 0) uniform sampler2D variance;
+layout(binding = 0, rg32f) uniform readonly image2D variance;
 layout(scalar, binding = 2) readonly buffer BudgetPriceIn { BudgetPrice price; } budget_price;
 layout(scalar, binding = 3) readonly buffer BudgetRuns { uint items[]; } budget_runs;
 layout(binding = 4, r8ui) uniform writeonly uimage2D sample_count;
@@ -26,7 +26,7 @@ void main() {
     uint before = budget_runs.items[gl_GlobalInvocationID.x];
     for (uint i = first, last = min(first + push.run, pixels); i < last; ++i) {
         ivec2 pixel = ivec2(i % push.size.x, i / push.size.x);
-        vec2 expected = texelFetch(variance, pixel, 0).xy;
+        vec2 expected = imageLoad(variance, pixel).xy;
         uvec2 around = samples_around(expected, price, push.samples);
         uint k = around.x + min(around.y, price.left - min(before, price.left));
         before += around.y;

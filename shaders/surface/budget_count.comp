@@ -9,7 +9,7 @@
 
 layout(local_size_x = 64) in;
 
-layout(binding = 0) uniform sampler2D variance;
+layout(binding = 0, rg32f) uniform readonly image2D variance;
 layout(scalar, binding = 2) readonly buffer BudgetPriceIn { BudgetPrice price; } budget_price;
 layout(scalar, binding = 3) writeonly buffer BudgetRuns { uint items[]; } budget_runs;
 layout(push_constant, scalar) uniform Push { BudgetPush push; };
@@ -20,7 +20,7 @@ void main() {
     BudgetPrice price = budget_price.price;
     uint sum = 0u;
     for (uint i = first, last = min(first + push.run, pixels); i < last; ++i) {
-        vec2 expected = texelFetch(variance, ivec2(i % push.size.x, i / push.size.x), 0).xy;
+        vec2 expected = imageLoad(variance, ivec2(i % push.size.x, i / push.size.x)).xy;
         sum += samples_around(expected, price, push.samples).y;
     }
     budget_runs.items[gl_GlobalInvocationID.x] = sum;

@@ -9,7 +9,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(binding = 0) uniform sampler2D variance;
+layout(binding = 0, rg32f) uniform readonly image2D variance;
 layout(scalar, binding = 1) buffer BudgetBins { BudgetBin items[]; } budget_bins;
 layout(push_constant, scalar) uniform Push { BudgetPush push; };
 
@@ -24,7 +24,7 @@ int law_bin(float within, uint k) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, ivec2(push.size)))) return;
-    vec2 expected = texelFetch(variance, pixel, 0).xy;
+    vec2 expected = imageLoad(variance, pixel).xy;
     if (expected.x > 0.0) atomicAdd(budget_bins.items[value_bin(expected.x)].within, 1u);
     // Where surfaces ask for more than the law: from their own price down to the law's.
     uint surfaces = expected.y > 0.0 ? min(surface_count(expected), push.samples) : 1u;

@@ -25,10 +25,14 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 #define SLOPES
 #include "surface/surface_sample.glsl"
-layout(binding = 4) uniform usampler2D clusters;
-layout(binding = 5) uniform sampler2D normal_spread;
-layout(binding = 6) uniform usampler2D first_surface;
-layout(binding = 7) uniform sampler2D first_luma;
+#ifdef WIDE
+layout(binding = 4, rgba32ui) uniform readonly uimage2D clusters;
+#else
+layout(binding = 4, r32ui) uniform readonly uimage2D clusters;
+#endif
+layout(binding = 5, rgba8) uniform readonly image2D normal_spread;
+layout(binding = 6, rg32ui) uniform readonly uimage2D first_surface;
+layout(binding = 7, r32f) uniform readonly image2D first_luma;
 layout(binding = 9, rg32f) uniform writeonly image2D lone_variance;
 layout(push_constant, scalar) uniform Push { OckhamMetricsPush push; };
 
@@ -52,28 +56,28 @@ ivec2 neighbour(int i) {
     return i < 4 ? direct : ivec2((i & 1) * 2 - 1, (i & 2) - 1);
 }
 
-float shown(ivec2 pixel) { return texelFetch(first_luma, pixel, 0).x; }
+float shown(ivec2 pixel) { return imageLoad(first_luma, pixel).x; }
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     ivec2 size = ivec2(frame.data.size);
     if (any(greaterThanEqual(pixel, size))) return;
     uint m = frame.data.m, n = m * m;
-    uvec4 labels = texelFetch(clusters, pixel, 0);
+    uvec4 labels = imageLoad(clusters, pixel);
 #ifndef WIDE
     labels.yzw = uvec3(0u);
 #endif
     uvec4 sizes = cluster_sizes(labels, n);
     uint count = cluster_count(sizes);
     vec4 share = vec4(sizes) / float(n);
-    vec4 slopes = texelFetch(normal_spread, pixel, 0);
-    uvec2 surface = texelFetch(first_surface, pixel, 0).xy;
+    vec4 slopes = imageLoad(normal_spread, pixel);
+    uvec2 surface = imageLoad(first_surface, pixel).xy;
 
     float here = shown(pixel);
     float squares = 0.0, seen = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 q = clamp(pixel + neighbour(i), ivec2(0), size - 1);
-        bool same = texelFetch(first_surface, q, 0).y == surface.y;
+        bool same = imageLoad(first_surface, q).y == surface.y;
         float difference = abs(shown(q) - here);
         squares += same ? difference * difference : 0.0;
         seen += same && q != pixel ? 1.0 : 0.0;
@@ -97,7 +101,7 @@ void main() {
         float sum = 0.0, sum2 = 0.0, found = 0.0;
         for (int i = 0; i < 8; ++i) {
             ivec2 q = clamp(pixel + neighbour(i), ivec2(0), size - 1);
-            uvec2 there = texelFetch(first_surface, q, 0).xy;
+            uvec2 there = imageLoad(first_surface, q).xy;
             ivec2 at = q * int(m) + first_offset;
             float expected = plane.depth + dot(plane.slope, vec2(at - position));
             bool same = sky ? there.x == 0u

@@ -43,31 +43,31 @@ bool coordinates_break(TextureCoordinates c, vec2 other, ivec2 offset) {
 #else
 const bool kShadingDataTextures = true; // where they are bound at all
 
-layout(binding = 1) uniform usampler2D gbuffer;
+layout(binding = 1, rgba32ui) uniform readonly uimage2D gbuffer;
 layout(binding = 2) uniform sampler2D gbuffer_depth;
 #ifdef EXTRA
-layout(binding = 3) uniform usampler2D gbuffer_extra;
+layout(binding = 3, rgba32ui) uniform readonly uimage2D gbuffer_extra;
 #endif
 #ifdef SLOPES
-layout(binding = 25) uniform usampler2D gbuffer_slopes;
+layout(binding = 25, r32ui) uniform readonly uimage2D gbuffer_slopes;
 #endif
 
 /// Stored depth; 0: background, and whatever else the sample holds is undefined.
 float fetch_depth(ivec2 position) { return texelFetch(gbuffer_depth, position, 0).x; }
-uint fetch_material(ivec2 position) { return unpack_material(texelFetch(gbuffer, position, 0)); }
+uint fetch_material(ivec2 position) { return unpack_material(imageLoad(gbuffer, position)); }
 /// The normal as pack_normal() has it: equal words are equal normals.
-uint fetch_normal_word(ivec2 position) { return texelFetch(gbuffer, position, 0).x; }
+uint fetch_normal_word(ivec2 position) { return imageLoad(gbuffer, position).x; }
 vec3 fetch_normal(ivec2 position) { return unpack_normal(fetch_normal_word(position)); }
 
 SurfaceSample fetch_surface(ivec2 position) {
-    uvec4 words = texelFetch(gbuffer, position, 0);
+    uvec4 words = imageLoad(gbuffer, position);
     SurfaceSample s;
     s.depth = fetch_depth(position);
     s.normal = unpack_normal(words.x);
     s.material = unpack_material(words);
     s.coordinates[0] = unpack_coordinates(words.yzw);
 #ifdef EXTRA
-    uvec4 extra = texelFetch(gbuffer_extra, position, 0);
+    uvec4 extra = imageLoad(gbuffer_extra, position);
     s.color = unpack_color(extra.x);
     s.coordinates[1] = unpack_coordinates(extra.yzw);
 #else
@@ -80,7 +80,7 @@ SurfaceSample fetch_surface(ivec2 position) {
 #ifdef SLOPES
 SurfacePlane fetch_plane(ivec2 position) {
     float depth = fetch_depth(position);
-    vec2 relative = unpackHalf2x16(texelFetch(gbuffer_slopes, position, 0).x);
+    vec2 relative = unpackHalf2x16(imageLoad(gbuffer_slopes, position).x);
     return SurfacePlane(depth, depth > 0.0 ? depth * relative : vec2(0.0), fetch_material(position));
 }
 #endif
@@ -90,7 +90,7 @@ SurfacePlane fetch_plane(ivec2 position) {
 bool discontinuous(ivec2 position, SurfaceSample s, ivec2 offset) {
     ivec2 other_position = position + offset;
     if (fetch_depth(other_position) <= 0.0) return true;
-    uvec4 other = texelFetch(gbuffer, other_position, 0);
+    uvec4 other = imageLoad(gbuffer, other_position);
     if (unpack_material(other) != s.material) return true;
     return coordinates_break(s.coordinates[0], unpack_coordinates(other.yzw).uv, offset);
 }

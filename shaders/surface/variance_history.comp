@@ -16,8 +16,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(scalar, binding = 0) uniform Frame { FrameData data; } frame;
 layout(scalar, binding = 1) uniform FrameBefore { FrameData data; } frame_before;
-layout(binding = 2) uniform sampler2D variance;
-layout(binding = 3) uniform usampler2D first_surface;
+layout(binding = 2, rg32f) uniform readonly image2D variance;
+layout(binding = 3, rg32ui) uniform readonly uimage2D first_surface;
 layout(binding = 4) uniform sampler2D history_before;
 layout(binding = 5, rg32f) uniform writeonly image2D history;
 layout(push_constant, scalar) uniform Push { VarianceHistoryPush push; };
@@ -29,7 +29,7 @@ vec2 place_before(ivec2 pixel) {
     vec2 ndc = at / vec2(frame.data.size) * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec3 across = ndc.x * frame.data.right + ndc.y * frame.data.up;
     bool orthographic = frame.data.orthographic != 0u;
-    float stored = uintBitsToFloat(texelFetch(first_surface, pixel, 0).x);
+    float stored = uintBitsToFloat(imageLoad(first_surface, pixel).x);
     float depth = orthographic ? frame.data.far_distance * (1.0 - stored) : frame.data.near_distance / stored;
     vec4 world = stored > 0.0
         ? vec4(frame.data.position + depth * frame.data.forward + (orthographic ? across : across * depth), 1.0)
@@ -46,7 +46,7 @@ float steadied(float now, float before) {
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, ivec2(frame.data.size)))) return;
-    vec2 now = texelFetch(variance, pixel, 0).xy;
+    vec2 now = imageLoad(variance, pixel).xy;
     vec2 place = place_before(pixel);
     bool seen = all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(frame.data.size)));
     ivec2 from = clamp(ivec2(place), ivec2(0), ivec2(frame.data.size) - 1);

@@ -13,7 +13,7 @@ layout(constant_id = SPEC_NORMAL_MAPS) const bool kNormalMaps = true;
 layout(constant_id = SPEC_SHADING_DATA_TEXTURES) const bool kShadingDataTextures = true;
 layout(constant_id = SPEC_SECOND_COORDINATES) const bool kSecondCoordinates = true;
 
-layout(binding = 1) uniform usampler2D gbuffer;
+layout(binding = 1, r32ui) uniform readonly uimage2D gbuffer;
 // Whole rows, since drivers load scalars one by one: three corners; the members of a TriangleBlock.
 layout(scalar, binding = 22) readonly buffer Indices { uvec3 items[]; } indices;
 layout(scalar, binding = 23) readonly buffer TriangleBlocks { uvec4 items[]; } triangle_blocks;
@@ -23,7 +23,7 @@ layout(binding = 26) uniform sampler2DArray data_textures;
 #endif
 
 /// Samples with the same id lie on one plane and have one material. NO_TRIANGLE: background.
-uint fetch_triangle(ivec2 position) { return texelFetch(gbuffer, position, 0).x; }
+uint fetch_triangle(ivec2 position) { return imageLoad(gbuffer, position).x; }
 
 struct Triangle {
     InstanceData instance;
