@@ -22,10 +22,10 @@ ImageHandle add_surface_means(Graph& graph, const SceneInputs& scene, const Gbuf
         pass.sample(
             "color_textures", scene.handles.color_textures, Stage::compute, Filter::linear_repeat);
     }
+    const VkFormat format = params.albedo ? VK_FORMAT_R32G32B32A32_UINT : VK_FORMAT_R32_UINT;
     const ImageHandle out = pass.write(
-        "surface_means", graph.create_image("surface_means", {.format = VK_FORMAT_R32G32B32A32_UINT,
-                                                                 .width = params.width,
-                                                                 .height = params.height}));
+        "surface_means", graph.create_image("surface_means",
+                             {.format = format, .width = params.width, .height = params.height}));
     pass.record([params, gbuffer](Commands& commands) {
         const std::string mode =
             shader_variant("", {{"color_textures", params.albedo}, {"extra", bool(gbuffer.extra)}});

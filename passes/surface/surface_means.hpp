@@ -14,7 +14,8 @@ struct SurfaceMeansParams {
     bool albedo = false; ///< base colours too, n lookups a pixel; else only the width of lobes
 };
 
-/// Returns "surface_means", rgba32ui, one texel a pixel: shaders/surface/surface_means.glsl.
+/// Returns "surface_means", one texel a pixel, rgba32ui with colours, else r32ui:
+/// shaders/surface/surface_means.glsl.
 ImageHandle add_surface_means(Graph& graph, const SceneInputs& scene, const Gbuffer& gbuffer,
     const Clusters& clusters, const SurfaceMeansParams& params);
 

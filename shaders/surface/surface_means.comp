@@ -29,7 +29,11 @@ layout(binding = 5) uniform usampler2D clusters;
 layout(binding = 6) uniform sampler2DArray color_textures;
 #endif
 layout(binding = 7) uniform sampler2D normal_spread;
+#ifdef COLOR_TEXTURES
 layout(binding = 8, rgba32ui) uniform writeonly uimage2D surface_means;
+#else
+layout(binding = 8, r32ui) uniform writeonly uimage2D surface_means;
+#endif
 layout(push_constant, scalar) uniform Push { SurfaceMeansPush push; };
 
 const float kRough = 0.1; // deviation of slopes: 6 degrees
@@ -69,5 +73,5 @@ void main() {
     }
     float spread = all(equal(labels, uvec4(0u))) ? texelFetch(normal_spread, pixel, 0).x : 0.0;
     float wider = 2.0 * spread * spread * clamp(2.0 - spread / kRough, 0.0, 1.0);
-    imageStore(surface_means, pixel, uvec4(pack_mean(sum0), pack_mean(sum1), pack_mean(sum2), floatBitsToUint(wider)));
+    imageStore(surface_means, pixel, uvec4(floatBitsToUint(wider), pack_mean(sum0), pack_mean(sum1), pack_mean(sum2)));
 }

@@ -102,13 +102,12 @@ TEST_F(SurfaceMeansTest, LobesHoldSmallSpreadsOfOneSurface) {
         const ImageHandle means = bench.keep(add_surface_means(
             bench.graph, scene, windows.gbuffer(bench), clusters, {.width = count, .height = 2}));
         bench.execute();
-        const auto texels = bench.texels<glm::uvec4>(means);
+        const auto texels = bench.texels<std::uint32_t>(means);
         for (std::size_t i = 0; i < bytes.size(); ++i) {
             const double s = bytes[i] / 255.0;
             const double expected = 2 * s * s * std::clamp(2 - s / 0.1, 0.0, 1.0);
-            EXPECT_NEAR(std::bit_cast<float>(texels[i].w), expected, 1e-6) << "spread " << s;
-            EXPECT_EQ(texels[count + i].w, 0u) << "several surfaces";
-            EXPECT_EQ(glm::uvec3(texels[i]), glm::uvec3(0)) << "no colours were asked for";
+            EXPECT_NEAR(std::bit_cast<float>(texels[i]), expected, 1e-6) << "spread " << s;
+            EXPECT_EQ(texels[count + i], 0u) << "several surfaces";
         }
     }
 }
