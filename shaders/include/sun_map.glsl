@@ -9,15 +9,13 @@ float sun_map_share(sampler2D map, vec3 p) {
     p.z = max(p.z, 0.0);
     vec2 size = vec2(textureSize(map, 0));
     vec2 texel = (0.5 * p.xy + 0.5) * size - 0.5;
-    ivec2 base = ivec2(floor(texel));
-    vec2 weight = texel - vec2(base);
-    ivec2 limit = ivec2(size) - 1;
-    ivec2 low = clamp(base, ivec2(0), limit);
-    ivec2 high = clamp(base + 1, ivec2(0), limit);
-    float lit00 = float(p.z >= texelFetch(map, low, 0).x);
-    float lit10 = float(p.z >= texelFetch(map, ivec2(high.x, low.y), 0).x);
-    float lit01 = float(p.z >= texelFetch(map, ivec2(low.x, high.y), 0).x);
-    float lit11 = float(p.z >= texelFetch(map, high, 0).x);
+    vec2 base = floor(texel);
+    vec2 weight = texel - base;
+    vec4 nearest = textureGather(map, (base + 1.0) / size); // beyond a border the last texels
+    float lit00 = float(p.z >= nearest.w);
+    float lit10 = float(p.z >= nearest.z);
+    float lit01 = float(p.z >= nearest.x);
+    float lit11 = float(p.z >= nearest.y);
     float share = mix(mix(lit00, lit10, weight.x), mix(lit01, lit11, weight.x), weight.y);
     return beside ? 1.0 : share;
 }
