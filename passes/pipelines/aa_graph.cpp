@@ -297,7 +297,9 @@ AdaptiveAaOutputs add_picture(
     }
     out.labels = clusters.labels;
     add_means(graph, in, clusters, params);
-    out.first_sample = add_first_sample(graph, in, shading);
+    const ImageHandle labels =
+        params.resolve == Resolve::stratified ? clusters.labels : ImageHandle{};
+    out.first_sample = add_first_sample(graph, in, shading, labels);
     const Allocation counts = add_counts(graph, in, clusters, out.first_sample, params);
     out.sample_count = counts.sample_count;
     out.winner = counts.winner;
@@ -309,9 +311,7 @@ AdaptiveAaOutputs add_picture(
         graph.omit_pass("coarsen", "--k-levels all, no --k-filter: counts stay as they are");
     }
     const ImageHandle sum = add_shade(graph, in, shading,
-        {.first_sample = out.first_sample,
-            .sample_count = out.sample_count,
-            .clusters = params.resolve == Resolve::stratified ? clusters.labels : ImageHandle{}},
+        {.first_sample = out.first_sample, .sample_count = out.sample_count, .clusters = labels},
         params.dispatch);
     out.radiance = add_resolve(graph, sum, out.first_sample, out.sample_count);
     return out;

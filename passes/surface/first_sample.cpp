@@ -5,7 +5,8 @@
 
 namespace ockham {
 
-ImageHandle add_first_sample(Graph& graph, const ShadingInputs& in, const ShadingParams& params) {
+ImageHandle add_first_sample(
+    Graph& graph, const ShadingInputs& in, const ShadingParams& params, ImageHandle clusters) {
     samples_per_dispatch(
         in.scene.scene->facts(), params, in.medium); // refuses what a kernel cannot finish
     const ImageHandle image = graph.create_image("first_sample",
@@ -15,14 +16,17 @@ ImageHandle add_first_sample(Graph& graph, const ShadingInputs& in, const Shadin
                      ? "m = 1: one sample per pixel is the picture"
                      : "one shaded sample per pixel shows the metrics where shading varies");
     read_shading(pass, in);
-    if (in.means) pass.sample("surface_means", in.means);
+    if (clusters) {
+        // Without means nothing reads them, but something must be bound.
+        pass.sample("clusters", clusters).sample("surface_means", in.means ? in.means : clusters);
+    }
     const ImageHandle out = pass.write("first_sample", image);
-    pass.record([in, params](Commands& commands) {
+    pass.record([in, params, clusters](Commands& commands) {
         const shader::ShadePush push = one_sample_push(params);
         const std::string shader =
-            shading_variant("surface/first_sample.comp", in.means ? "stratified" : "", in);
+            shading_variant("surface/first_sample.comp", clusters ? "stratified" : "", in);
         commands.dispatch_over({.shader = shader,
-                                   .specialization = shading_specialization(in, bool(in.means)),
+                                   .specialization = shading_specialization(in, bool(clusters)),
                                    .push = as_push(push)},
             {params.width, params.height, 1});
     });

@@ -23,12 +23,13 @@ protected:
     }
     /// S of m x m windows, shaded for the whole pixel.
     static Image render_s(Scene scene, const Camera& camera, std::uint32_t width,
-        std::uint32_t height, std::uint32_t m) {
+        std::uint32_t height, std::uint32_t m, Resolve resolve = Resolve::prefix) {
         const LitScene lit(device(), std::move(scene));
         AdaptiveAaParams params;
         params.width = width;
         params.height = height;
         params.m = m;
+        params.resolve = resolve;
         params.captures = {"first_sample"};
         AdaptiveAa aa(device(), lit, camera, params);
         aa.execute();
@@ -386,6 +387,29 @@ TEST_F(FirstSampleTest, FootprintsStopAtMaterialEdgesOneSampleAway) {
     const Image s = render_s(scene, pixel_camera(16, 8), 16, 8, 4);
     for (int y = 0; y < 8; ++y)
         EXPECT_GT(s.at(8, y, 0), 0.999f) << "nothing bleeds across the edge";
+}
+
+TEST_F(FirstSampleTest, FootprintsAreAsLargeAsTheirSurface) {
+    // One texel a sample; rows of the texture are white up to 1.5 samples from the first one of
+    // even pixels. Half of pixel column 8 has another material: a stratified first sample stands
+    // for sqrt(8) rows, all white, and one of the whole pixel for 4, of which one is black.
+    const int row = static_cast<int>(paper_order(4)[0]) / 4;
+    Scene scene;
+    Material material = unlit_material();
+    material.base_color_texture.image = add_image(scene, 64, 32, [row](int, int y) {
+        const int distance = (y - row + 36) % 8 - 4;
+        return std::abs(distance) <= 1 ? glm::u8vec4(255) : glm::u8vec4(0, 0, 0, 255);
+    });
+    scene.materials = {material, unlit_material(glm::vec3(0.5f))};
+    add(scene, rectangle({0, 0, 0}, {16, 0, 0}, {0, 8, 0}));
+    add(scene, rectangle({0, 0, 1}, {8.5f, 0, 0}, {0, 8, 0}, 1));
+    const Image prefix = render_s(scene, pixel_camera(16, 8), 16, 8, 4);
+    const Image stratified = render_s(scene, pixel_camera(16, 8), 16, 8, 4, Resolve::stratified);
+    for (int y = 0; y < 8; y += 2) {
+        EXPECT_NEAR(prefix.at(8, y, 0), 0.75f, 0.02f) << y;
+        EXPECT_GT(stratified.at(8, y, 0), 0.98f) << y;
+        for (int x : {2, 7, 9, 14}) EXPECT_EQ(prefix.at(x, y, 0), stratified.at(x, y, 0));
+    }
 }
 
 } // namespace
